@@ -41,7 +41,7 @@ from experiments.tables.paper import (
 )
 from experiments.tables.reproduction import pictures as reproduction_pictures
 from experiments.tables.reproduction import tables as reproduction
-from experiments.tables.rooms import docking, handover, random_rooms
+from experiments.tables.rooms import docking, handover, level_4, random_rooms
 from legpush.errors import ConfigError
 from legpush.files import write_whole
 
@@ -52,6 +52,7 @@ TEXTS: Final[dict[str, Callable[[], dict[str, str]]]] = {
     "heavy_boxes": heavy_boxes.texts,
     "learning": learning.texts,
     "learns": learns.texts,
+    "level_4": level_4.texts,
     "levels": levels.texts,
     "mass_sweep": mass_sweep.texts,
     "mass_trend": mass_trend.texts,

@@ -14,7 +14,7 @@ OF_NO_ROBOT = {
     "control/feedback/deviation.py": {"LATE_TICKS", "CLEAR_SHARE"},
     "control/feedback/footing.py": {"REGAIN_SHARE", "HOLD_TICKS", "IN_AIR_SHARE"},
     "control/feedback/terrain.py": {"ALONG_FROM", "ALONG_UNTIL", "SLOW_TICKS"},
-    "control/footsteps.py": {"STRIDE_SHARES", "SAME_M", "ADVANCES"},
+    "control/footsteps.py": {"STRIDE_SHARES", "APART_SHARE", "SAME_M", "ADVANCES"},
     "control/joint_commands.py": {"COMMAND_PERIOD_S"},
     "control/push_cycle.py": {"MIRRORED", "ON_ITS_WAY_RADII", "CURVE"},
     "control/resistance.py": {"GAIN", "STRUCK_TICKS"},
