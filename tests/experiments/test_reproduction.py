@@ -55,13 +55,13 @@ def test_the_interval_of_trainings_is_over_their_seeds() -> None:
     assert columns["success"] == 0.5
 
 
-def test_an_average_return_that_is_negative_arrives_within_a_tenth_of_its_final_value() -> None:
-    returns = [-500.0] * 20 + [-300.0] * 40
+def test_the_average_return_is_that_of_the_first_and_of_the_last_thirty_episodes() -> None:
+    returns = [-500.0] * 30 + [-400.0] * 10 + [-300.0] * 30
+    long, short = ({**training(seed, 0.01), "episode_return": some} for seed, some in ((1, returns), (2, returns[:29])))
+    numbers = summaries.training_numbers([long, short])
 
-    # The mean of 30 is at least -330 once at most 4 of its episodes are among the first 20.
-    assert summaries.episodes_to_final(returns) == 46
-    assert summaries.episodes_to_final([1.0] * 29) is None
-    assert summaries.episodes_to_final([0.0] * 30 + [100.0] * 30) == 57
+    # A training of fewer episodes has no such average.
+    assert (numbers["first_average_return"], numbers["final_average_return"]) == ([-500.0], [-300.0])
 
 
 def test_a_cause_is_shown_alone_and_missing_alone() -> None:

@@ -40,11 +40,8 @@ def _trainings(rows: list[Row]) -> Row:
     """Return the numbers of trainings that differ by their seed, and those of the ones that have learned."""
     learned = [row for row in rows if np.mean(row["final_success"]) >= LEARNED]
     errors_m = [float(np.mean(row["final_position_error_m"])) for row in learned]
-    episodes = training_numbers(learned)["episodes_to_90_percent"]
     return training_numbers(rows) | {
         "n_learned": len(learned),
         "least_learned_m": min(errors_m),
         "largest_learned_m": max(errors_m),
-        "fewest_episodes": min(episodes),
-        "most_episodes": max(episodes),
     }

@@ -12,7 +12,7 @@ import numpy as np
 from agent_proc.statistics.estimate import Estimate
 from agent_proc.statistics.intervals import mean, mean_of_groups, share
 from experiments.rows import Row
-from experiments.tables.learning import SHARE, WINDOW, moving_average
+from experiments.tables.learning import WINDOW, moving_average
 from experiments.tables.parts import plain
 
 DIGITS: Final = {"success": 4, "position_error_m": 5, "angle_error_deg": 3, "n_cycles": 1}
@@ -62,25 +62,12 @@ def training_numbers(rows: Sequence[Row]) -> dict[str, Any]:
 
 
 def _returns(rows: Sequence[Row]) -> dict[str, Any]:
-    """Return where the average return begins and ends, and after how many episodes it is near its end."""
+    """Return where the average return of each training begins and ends."""
     averages = [moving_average(row["episode_return"]) for row in rows if len(row["episode_return"]) >= WINDOW]
     return {
         "first_average_return": [round(float(average[0]), 1) for average in averages],
         "final_average_return": [round(float(average[-1]), 1) for average in averages],
-        "episodes_to_90_percent": [episodes_to_final(row["episode_return"]) for row in rows],
     }
-
-
-def episodes_to_final(returns: Sequence[float]) -> int | None:
-    """Return the episodes after which the moving average first is within 10 % of its final value; None without one.
-
-    With a positive final value this is when it has 90 % of it. Returns of the paper are negative.
-    """
-    if len(returns) < WINDOW:
-        return None
-    average = moving_average(returns)
-    final = float(average[-1])
-    return int(np.argmax(average >= final - (1.0 - SHARE) * abs(final))) + WINDOW
 
 
 def rule_estimates(rows: Sequence[Row]) -> dict[str, Estimate]:

@@ -1,6 +1,5 @@
 """Missions with docking and with planned paths alone, seed by seed: goals near the box, and random rooms."""
 
-from collections import Counter
 from typing import Any, Final
 
 import numpy as np
@@ -9,6 +8,7 @@ from agent_proc.statistics.intervals import mean, share
 from agent_proc.statistics.paired import paired_difference
 from experiments.rows import Row, read_rows
 from experiments.tables.parts import as_csv, as_json, made_of, plain
+from experiments.tables.rooms.by_seed import failures, of_successes
 
 AXIS: Final = "pushing.docking_m"
 MEASURES: Final = ("sim_time_s", "n_push_cycles", "box_position_error_m", "box_angle_error_deg")
@@ -29,7 +29,7 @@ def _texts(name: str) -> dict[str, str]:
         "docked": _numbers(docked),
         "paths": _numbers(on_paths),
         "docked_minus_paths": {
-            measure: plain(paired_difference(_by_seed(docked, measure), _by_seed(on_paths, measure)), 7)
+            measure: plain(paired_difference(of_successes(docked, measure), of_successes(on_paths, measure)), 7)
             for measure in MEASURES
         },
     }
@@ -42,21 +42,15 @@ def _texts(name: str) -> dict[str, str]:
 def _numbers(rows: list[Row]) -> dict[str, Any]:
     times_s = np.array([row["sim_time_s"] for row in rows])
     n_successes = sum(row["success"] for row in rows)
-    reasons = Counter(row["reason"] for row in rows if not row["success"])
     return {
         "n": len(rows),
         "successes": n_successes,
         "success_rate": plain(share(n_successes, len(rows)), 4),
-        "failures": ", ".join(f"{n} x {reason}" for reason, n in sorted(reasons.items())) or "none",
+        "failures": failures(rows),
         "median_time_s": float(np.median(times_s)),
         **{f"{name}_time_s": round(float(np.quantile(times_s, quantile)), 1) for name, quantile in QUANTILES.items()},
         "largest_time_s": float(times_s.max()),
-        **{name: plain(mean(list(_by_seed(rows, name).values())), 7) for name in MEASURES},
+        **{name: plain(mean(list(of_successes(rows, name).values())), 7) for name in MEASURES},
         "largest_position_error_m": max(row["box_position_error_m"] for row in rows if row["success"]),
         "largest_angle_error_deg": max(row["box_angle_error_deg"] for row in rows if row["success"]),
     }
-
-
-def _by_seed(rows: list[Row], name: str) -> dict[int, float]:
-    """Return a measure of the successful missions by their seeds."""
-    return {row["seed"]: float(row[name]) for row in rows if row["success"]}

@@ -13,6 +13,7 @@ from agent_proc.statistics.intervals import mean
 from agent_proc.statistics.paired import paired_difference
 from experiments.rows import Row, Rows, read_rows
 from experiments.tables.parts import as_csv, as_json, made_of, plain
+from experiments.tables.rooms.by_seed import of_successes
 from legpush.scene.scenario import MissionSettings
 
 AXIS: Final = "mission.handover_distance_m"
@@ -75,16 +76,11 @@ def _differences(distance_m: float, here: dict[float, list[Row]]) -> Row:
 
 
 def _difference(distance_m: float, here: dict[float, list[Row]], name: str) -> Estimate:
-    return paired_difference(_by_seed(here[distance_m], name), _by_seed(here[USUAL_M], name))
+    return paired_difference(of_successes(here[distance_m], name), of_successes(here[USUAL_M], name))
 
 
 def _mean(rows: list[Row], name: str) -> Estimate:
-    return mean(list(_by_seed(rows, name).values()))
-
-
-def _by_seed(rows: list[Row], name: str) -> dict[int, float]:
-    """Return a measure of the successful missions by their seeds."""
-    return {row["seed"]: float(row[name]) for row in rows if row["success"]}
+    return mean(list(of_successes(rows, name).values()))
 
 
 def pictures() -> dict[str, Figure]:
@@ -95,7 +91,7 @@ def pictures() -> dict[str, Figure]:
     for axis, (name, label, scale) in zip(figure.subplots(2, 2).ravel(), MEASURES, strict=True):
         jitter = np.random.default_rng(0)
         for distance_m, rows in here.items():
-            values = [scale * value for value in _by_seed(rows, name).values()]
+            values = [scale * value for value in of_successes(rows, name).values()]
             at = distance_m + jitter.uniform(-0.1, 0.1, len(values))
             axis.plot(at, values, "o", ms=3, color=BLUE, alpha=0.3, mew=0)
         means = [_mean(rows, name).scaled(scale) for rows in here.values()]

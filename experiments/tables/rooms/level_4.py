@@ -1,6 +1,5 @@
 """Level 4 of the benchmark: whole missions in random rooms by several policies, room by room."""
 
-from collections import Counter
 from typing import Any, Final
 
 import numpy as np
@@ -9,6 +8,7 @@ from agent_proc.statistics.intervals import mean, share
 from agent_proc.statistics.paired import paired_difference
 from experiments.rows import Row, read_rows
 from experiments.tables.parts import as_csv, as_json, made_of, plain
+from experiments.tables.rooms.by_seed import failures, of_successes
 
 STUDY: Final = "level_l4"
 LEARNED: Final = "variable"
@@ -48,31 +48,26 @@ def numbers_of(rows: list[Row]) -> dict[str, Any]:
 
 def _numbers(rows: list[Row]) -> dict[str, Any]:
     n_successes = sum(row["success"] for row in rows)
-    reasons = Counter(row["reason"] for row in rows if not row["success"])
     return {
         "n": len(rows),
         "successes": n_successes,
         "success": plain(share(n_successes, len(rows)), N_DIGITS),
-        "failures": ", ".join(f"{n} x {reason}" for reason, n in sorted(reasons.items())) or "none",
+        "failures": failures(rows),
         "median_time_s": float(np.median([row["sim_time_s"] for row in rows])),
-        **{name: plain(mean(list(_of_successes(rows, name).values())), N_DIGITS) for name in MEASURES if n_successes},
+        **{name: plain(mean(list(of_successes(rows, name).values())), N_DIGITS) for name in MEASURES if n_successes},
     }
 
 
 def _less(rows: list[Row], best: list[Row]) -> dict[str, Any]:
     """Differences: of the share of successes in all rooms, of measures in the rooms in which both succeed."""
     success = paired_difference(*({row["seed"]: float(row["success"]) for row in some} for some in (rows, best)))
-    both = _of_successes(rows, "sim_time_s").keys() & _of_successes(best, "sim_time_s").keys()
+    both = of_successes(rows, "sim_time_s").keys() & of_successes(best, "sim_time_s").keys()
     return {
         "success": plain(success, N_DIGITS),
         "n_both": len(both),
         **{
-            name: plain(paired_difference(_of_successes(rows, name), _of_successes(best, name)), N_DIGITS)
+            name: plain(paired_difference(of_successes(rows, name), of_successes(best, name)), N_DIGITS)
             for name in MEASURES
             if both
         },
     }
-
-
-def _of_successes(rows: list[Row], name: str) -> dict[int, float]:
-    return {row["seed"]: float(row[name]) for row in rows if row["success"]}
