@@ -2,7 +2,7 @@
 
 import errno
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import Any, ClassVar, Final, Literal
 
@@ -153,11 +153,15 @@ def exit_code_of(work: Callable[[], int]) -> int:
     """Do the work and return its exit code, or that of its error, which becomes one line on standard error.
 
     A full disk has an exit code of its own, whatever could not be written. An error of the system that names a file is
-    bad input, or a fault where the machine is out of something. Other errors are raised.
+    bad input, or a fault where the machine is out of something. An error that an interrupt caused is not printed: a
+    library in C++ that is interrupted while it is imported says that its initialization failed. Any other error is
+    raised.
     """
     try:
         return work()
     except (LegpushError, OSError) as error:
+        if is_interrupt(error):
+            return code_of(error)
         if isinstance(error, OSError) and error.filename is None and not is_disk_full(error):
             raise
         lines = error.lines() if isinstance(error, LegpushError) else (_of_system(error),)
@@ -170,6 +174,8 @@ def code_of(error: BaseException) -> int:
     """Return the exit code of a program that ends with this error."""
     if is_disk_full(error):
         return DISK_FULL
+    if is_interrupt(error):
+        return INTERRUPTED
     if isinstance(error, OSError):
         return FAILED if error.errno in EXHAUSTED else ConfigError.exit_code
     return error.exit_code if isinstance(error, LegpushError) else 1
@@ -182,12 +188,23 @@ def _of_system(error: OSError) -> str:
 
 def is_disk_full(error: BaseException) -> bool:
     """Whether the error, or one that caused it, is that of a full disk or an exhausted quota."""
+    return any(
+        isinstance(cause, DiskFullError) or (isinstance(cause, OSError) and cause.errno in FULL)
+        for cause in _with_causes(error)
+    )
+
+
+def is_interrupt(error: BaseException) -> bool:
+    """Whether the error, or one that caused it, is an interrupt."""
+    return any(isinstance(cause, KeyboardInterrupt) for cause in _with_causes(error))
+
+
+def _with_causes(error: BaseException) -> Iterator[BaseException]:
+    """Yield the error and those that it was raised from."""
     cause: BaseException | None = error
     while cause is not None:
-        if isinstance(cause, DiskFullError) or (isinstance(cause, OSError) and cause.errno in FULL):
-            return True
+        yield cause
         cause = cause.__cause__
-    return False
 
 
 def printable(text: str) -> str:

@@ -9,6 +9,7 @@ import os
 import signal
 import threading
 import traceback
+from _thread import start_new_thread
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -218,12 +219,16 @@ class _OneLine(logging.Formatter):
 
 
 def stop_on_signals() -> threading.Event:
-    """Return an event that SIGINT and SIGTERM set; the same signal once more ends the process at once."""
+    """Return an event that SIGINT and SIGTERM set; the same signal once more ends the process at once.
+
+    A thread of its own sets it: the signal may come while the main thread holds the lock of the event, because it
+    begins to wait for it, and would then wait for itself.
+    """
     stop = threading.Event()
 
     def on_signal(number: int, _: FrameType | None) -> None:
         signal.signal(number, signal.SIG_DFL)
-        stop.set()
+        start_new_thread(stop.set, ())
 
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, on_signal)

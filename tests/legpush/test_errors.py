@@ -2,16 +2,19 @@
 
 import errno
 import os
+import signal
 from contextlib import suppress
 
 import pytest
 
 from legpush.errors import (
     DISK_FULL,
+    INTERRUPTED,
     ConfigError,
     DiskFullError,
     LegpushError,
     PeerError,
+    PluginError,
     RecordingError,
     code_of,
     exit_code_of,
@@ -20,7 +23,7 @@ from legpush.errors import (
 )
 
 
-def caused(error: LegpushError, *causes: OSError | LegpushError) -> LegpushError:
+def caused(error: LegpushError, *causes: BaseException) -> LegpushError:
     """The error as it is raised from its cause, that from the next one, and so on."""
     above: BaseException = error
     for cause in causes:
@@ -40,6 +43,33 @@ def test_an_error_that_a_full_disk_caused_has_the_code_of_a_full_disk(kind: type
     assert code_of(caused(kind("no"), RecordingError("no"), system_error(number))) == DISK_FULL
     assert code_of(system_error(number)) == DISK_FULL
     assert code_of(caused(kind("no"), DiskFullError("no"))) == DISK_FULL
+
+
+def test_an_error_that_an_interrupt_caused_is_an_interrupt_and_is_not_printed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """As pybind11 makes one: a module that is interrupted while it is imported could not be initialized."""
+    error = caused(PluginError("no"), ImportError("initialization failed"), ImportError("no"), KeyboardInterrupt())
+
+    def fail() -> int:
+        raise error
+
+    assert code_of(error) == exit_code_of(fail) == INTERRUPTED
+    assert capsys.readouterr().err == ""
+
+
+def test_a_full_disk_after_an_interrupt_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    """What was interrupted could not be saved: the user has to know."""
+
+    def work() -> int:
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except KeyboardInterrupt:
+            raise DiskFullError("no space") from system_error(errno.ENOSPC)
+        return 0
+
+    assert exit_code_of(work) == DISK_FULL
+    assert capsys.readouterr().err == "error: no space\n"
 
 
 @pytest.mark.parametrize("number", [errno.EACCES, errno.EROFS, errno.ENOENT, errno.EFBIG])

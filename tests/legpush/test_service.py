@@ -1,6 +1,7 @@
 """What the processes have in common: flags, environment, the log, and how an error ends them."""
 
 import logging
+import signal
 import subprocess
 import sys
 import threading
@@ -183,3 +184,18 @@ def test_with_credentials_the_usual_endpoints_are_tls_ports_and_others_stay(tmp_
         parse("sim", ServiceConfig, [*secure, "--listen", "tcp/0.0.0.0:1"], {}).endpoints("sim")
     with pytest.raises(CredentialsError, match="Expected the folder of a host for --secure"):
         parse("sim", ServiceConfig, ["--secure", str(tmp_path)], {}).endpoints("sim")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_may_come_while_the_main_thread_begins_to_wait_for_it(number: signal.Signals) -> None:
+    """It holds the lock of the event then; a handler that wants it would wait for ever."""
+    before = {each: signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        stop = service.stop_on_signals()
+        with stop._cond:  # type: ignore[attr-defined]
+            signal.raise_signal(number)
+        assert stop.wait(10.0)
+        assert signal.getsignal(number) is signal.SIG_DFL
+    finally:
+        for each, handler in before.items():
+            signal.signal(each, handler)

@@ -28,19 +28,28 @@ def crc_in_order(folder: Path, order: tuple[Role, ...]) -> str:
             if role == "agent":
                 flags += ["--scenario", "push", "--policy", "scripted", "--out", str(folder / "out")]
             process = subprocess.Popen(
-                [sys.executable, "-m", f"{role}_proc", *flags], stderr=subprocess.PIPE, text=True
+                [sys.executable, "-X", "faulthandler", "-m", f"{role}_proc", *flags], stderr=subprocess.PIPE, text=True
             )
             stack.callback(process.kill)
             started[role] = process
             if role != "agent":
                 wait_until_it_speaks(process)
-        _, words = started["agent"].communicate(timeout=LIMIT_S)
-        assert started["agent"].returncode == 0, words
+        require_end(started["agent"], LIMIT_S)
         for role in ("planner", "sim"):
             started[role].send_signal(signal.SIGTERM)
-            _, words = started[role].communicate(timeout=30.0)
-            assert started[role].returncode == 0, words
+            require_end(started[role], 30.0)
     return crc_of(folder / "out")
+
+
+def require_end(process: subprocess.Popen[str], within_s: float) -> None:
+    """It ends in time and well; one that hangs says where each of its threads is."""
+    try:
+        _, words = process.communicate(timeout=within_s)
+    except subprocess.TimeoutExpired:
+        process.send_signal(signal.SIGABRT)
+        _, words = process.communicate(timeout=30.0)
+        words += f"\nhung for {within_s:.0f} s"
+    assert process.returncode == 0, words
 
 
 def wait_until_it_speaks(process: subprocess.Popen[str]) -> None:
