@@ -16,6 +16,7 @@ from pyarrow import parquet
 
 from experiments.rows import ROWS, Made, in_runs, write_rows
 from legpush.errors import ConfigError
+from legpush.service import run_program
 from legpush.study.folder import StudyFolder
 
 LEFT_OUT: Final = ("policy_zip", "host")
@@ -91,4 +92,4 @@ def machine() -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main(tyro.cli(Config)))
+    sys.exit(run_program("keep", lambda: main(tyro.cli(Config))))

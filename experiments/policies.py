@@ -14,6 +14,7 @@ from typing import Annotated
 import tyro
 
 from legpush.errors import ConfigError
+from legpush.service import run_program
 from legpush.study.folder import StudyFolder
 
 
@@ -45,4 +46,4 @@ def main(config: Config) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(tyro.cli(Config)))
+    sys.exit(run_program("policies", lambda: main(tyro.cli(Config))))

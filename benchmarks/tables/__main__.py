@@ -10,6 +10,7 @@ from agent_proc.figures import Figure
 from benchmarks.report import RESULTS
 from benchmarks.tables import box_paths, collisions, compare, peers
 from experiments.tables.__main__ import Config, make
+from legpush.service import run_program
 
 TEXTS: Final[dict[str, Callable[[], dict[str, str]]]] = {
     "box_paths": box_paths.texts,
@@ -32,4 +33,4 @@ def main(config: Config) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(tyro.cli(Config)))
+    sys.exit(run_program("tables", lambda: main(tyro.cli(Config))))

@@ -44,6 +44,7 @@ from experiments.tables.reproduction import tables as reproduction
 from experiments.tables.rooms import docking, handover, level_4, random_rooms
 from legpush.errors import ConfigError
 from legpush.files import write_whole
+from legpush.service import run_program
 
 TEXTS: Final[dict[str, Callable[[], dict[str, str]]]] = {
     "circles": circles.texts,
@@ -130,4 +131,4 @@ def make(
 
 
 if __name__ == "__main__":
-    sys.exit(main(tyro.cli(Config)))
+    sys.exit(run_program("tables", lambda: main(tyro.cli(Config))))
