@@ -1,4 +1,4 @@
-"""Boxes and floors that no training has seen: dynamic programming, two learned policies and the scripted one."""
+"""Boxes and floors that no training has seen: dynamic programming, learned policies, the scripted and blind ones."""
 
 from typing import Any, Final
 
@@ -15,11 +15,14 @@ AXES: Final[dict[str, Any]] = {
     "room.uphill_deg": 0.0,
 }
 """Varied fields with the values of the box and floor of the trainings."""
-POLICIES: Final = ("dynamic_programming", "variable", "randomized", "scripted")
+SEEING: Final = ("dynamic_programming", "variable", "randomized", "scripted")
+BLIND: Final = ("constant", "alternate", "random")
+POLICIES: Final = (*SEEING, *BLIND)
+LONG_BOX: Final = "box.size_m=0.55x0.3x0.4"
 
 
 def _read() -> dict[str, Rows]:
-    return {name: read_rows(name) for name in ("unseen", "unseen_randomized")}
+    return {name: read_rows(name) for name in ("unseen", "unseen_randomized", "unseen_blind")}
 
 
 def case_of(row: Row) -> str:
@@ -52,33 +55,31 @@ def texts() -> dict[str, str]:
         cases[row["policy"]][row["case"]] = {
             key: row[key] for key in ("n", "successes", "position_error_m", "angle_error_deg")
         }
-    ordinary = [
-        row
-        for case, row in cases["variable"].items()
-        if not case.startswith("room.") and case != "box.size_m=0.55x0.3x0.4"
-    ]
-    numbers = {
-        "ordinary": {
-            "n_cases": len(ordinary),
-            "n": sum(row["n"] for row in ordinary),
-            "successes": sum(row["successes"] for row in ordinary),
-            "largest_position_error_m": max(row["position_error_m"] for row in ordinary),
-            "largest_angle_error_deg": max(row["angle_error_deg"] for row in ordinary),
-        },
-        "cases": cases,
-    }
+    numbers = {"ordinary": {policy: _ordinary(of_policy) for policy, of_policy in cases.items()}, "cases": cases}
     return {"unseen.csv": as_csv(table), "unseen.json": as_json(made_of(**studies), numbers)}
 
 
+def _ordinary(cases: dict[str, Row]) -> Row:
+    """Return the sums over the cases on a level floor, without the long box, and the largest means."""
+    rows = [row for case, row in cases.items() if not case.startswith("room.") and case != LONG_BOX]
+    return {
+        "n_cases": len(rows),
+        "n": sum(row["n"] for row in rows),
+        "successes": sum(row["successes"] for row in rows),
+        "largest_position_error_m": max(row["position_error_m"] for row in rows),
+        "largest_angle_error_deg": max(row["angle_error_deg"] for row in rows),
+    }
+
+
 def pictures() -> dict[str, Figure]:
-    """Draw both errors of every case, with a mark for each policy."""
-    rows = _table(_read())
+    """Draw both errors of every case, with a mark for each policy that looks at the box."""
+    rows = [row for row in _table(_read()) if row["policy"] in SEEING]
     cases = list(dict.fromkeys(row["case"] for row in rows))
     figure = Figure(figsize=(11.0, 7.5), layout="constrained", dpi=110)
     axes = figure.subplots(1, 2, sharey=True)
     panels = (("position error [cm]", "position_error_m", 100.0), ("angle error [deg]", "angle_error_deg", 1.0))
     for axis, (label, key, scale) in zip(axes, panels, strict=True):
-        shown = [policy for policy in POLICIES if any(row["policy"] == policy for row in rows)]
+        shown = [policy for policy in SEEING if any(row["policy"] == policy for row in rows)]
         for place, policy in enumerate(shown):
             here = [row for row in rows if row["policy"] == policy]
             middle, reach = errors_of(here, key, scale)

@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 
 from agent_proc.figures import Figure
-from agent_proc.statistics.intervals import mean, share
+from agent_proc.statistics.intervals import mean, mean_of_groups, share
 from agent_proc.statistics.paired import paired_difference
 from experiments.rows import Row, has_rows, read_rows
 from experiments.tables.parts import as_csv, as_json, made_of, plain
@@ -14,6 +14,8 @@ from experiments.tables.parts import as_csv, as_json, made_of, plain
 POLICIES: Final = ("random", "alternate", "constant", "scripted", "variable", "wide", "dynamic_programming")
 WIDE: Final = ("wide_starts", "wide_starts_blind")
 """Studies of starts that are drawn; the second one has the first of them alone."""
+TRAININGS: Final = "training_wide"
+"""Study of trainings like that of `wide`, each judged from the first of these starts."""
 BOX_M: Final = (6.0, 6.0)
 """Where the box of the scenario `open` stands, with the heading 0."""
 MEASURES: Final = ("position_error_m", "angle_error_deg", "n_cycles")
@@ -27,10 +29,11 @@ MOST_CM: Final = 5.0
 
 def texts() -> dict[str, str]:
     """Return the tables by the names of their files."""
-    studies = {name: read_rows(name) for name in ("start_map", *WIDE) if has_rows(name)}
+    studies = {name: read_rows(name) for name in ("start_map", *WIDE, TRAININGS) if has_rows(name)}
     wide = [row for name in WIDE if name in studies for row in studies[name].rows]
     starts = _map()
     numbers = {
+        "trainings": _of_trainings(studies[TRAININGS].rows) if TRAININGS in studies else {},
         "wide": {policy: _of_policy(wide, policy) for policy in POLICIES if any(r["policy"] == policy for r in wide)},
         "map": {
             policy: {
@@ -94,6 +97,19 @@ def _within(rows: list[Row], off_m: float, heading_deg: float) -> dict[str, Any]
         "n": len(here),
         "successes": sum(row["success"] for row in here),
         "largest_position_error_m": max(row["position_error_m"] for row in here),
+    }
+
+
+def _of_trainings(rows: list[Row]) -> dict[str, Any]:
+    """Return their CPU times, how often they succeed, and the mean error, each training being one value."""
+    cpu_s = [row["cpu_s"] for row in rows]
+    return {
+        "n": len(rows),
+        "least_cpu_s": min(cpu_s),
+        "largest_cpu_s": max(cpu_s),
+        "n_starts": sum(len(row["final_success"]) for row in rows),
+        "successes": sum(sum(row["final_success"]) for row in rows),
+        "position_error_m": plain(mean_of_groups([row["final_position_error_m"] for row in rows]).cut(0.0), 7),
     }
 
 
