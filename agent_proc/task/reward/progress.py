@@ -68,7 +68,7 @@ class Cycle(RewardTerm, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Time(RewardTerm, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Simulated seconds of the step: a push cycle takes about 2.7 s, a walk to another face 20 to 30 s more."""
+    """Simulated seconds of the step: a push cycle takes about 3 s, a walk to another face 20 to 30 s more."""
 
     def value(self, step: PushStep) -> float:
         """The seconds."""
