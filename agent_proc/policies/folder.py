@@ -195,10 +195,12 @@ def read_card(folder: Path) -> Card:
     Raises:
         PolicyError: The file is missing, or a field is wrong; the message names it.
     """
-    held = sorted(str(card.parent) for card in folder.glob(f"*/{CARD_FILE}"))
-    if held and not (folder / CARD_FILE).exists():
-        raise PolicyError(f"{folder}: expected a policy, got a folder of policies: choose {' or '.join(held)}")
     path = folder / CARD_FILE
+    if not path.exists():
+        if held := sorted(str(card.parent) for card in folder.glob(f"*/{CARD_FILE}")):
+            raise PolicyError(f"{folder}: expected a policy, got a folder of policies: choose {' or '.join(held)}")
+        if held := sorted(str(card.parent) for card in folder.glob(f"*/*/{CARD_FILE}")):
+            raise PolicyError(f"{folder}: expected a policy, got a folder of trainings: choose one, such as {held[0]}")
     plain = decode_file(path, dict)
     if plain.get("format") == OLD_FORMAT:
         raise PolicyError(

@@ -2,11 +2,20 @@
 
 import types
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Annotated, Any, Final, Literal, TypeVar, Union, get_args, get_origin
+from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
+from functools import cache, partial
+from typing import Annotated, Any, Final, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import tyro
-from tyro.constructors import ConstructorRegistry, PrimitiveConstructorSpec, PrimitiveTypeInfo
+from tyro.constructors import (
+    MISSING_NONPROP,
+    ConstructorRegistry,
+    PrimitiveConstructorSpec,
+    PrimitiveTypeInfo,
+    StructConstructorSpec,
+    StructFieldSpec,
+    StructTypeInfo,
+)
 
 NOT_SHOWN: Final = ("", "''", "None", "False")
 """Defaults that tell a reader nothing."""
@@ -79,6 +88,53 @@ def _choice_or_nothing(info: PrimitiveTypeInfo) -> PrimitiveConstructorSpec[Any]
         str_from_instance=lambda value: [str(value)],
         choices=choices,
     )
+
+
+@_REGISTRY.struct_rule
+def _options(info: StructTypeInfo) -> StructConstructorSpec | None:
+    """The fields of a dataclass, as tyro reads them, but for the line breaks of their docstrings, which it shows.
+
+    A generic dataclass is one of tyro's own.
+    """
+    if not is_dataclass(info.type) or getattr(info.type, "__parameters__", ()):
+        return None
+    kinds = get_type_hints(info.type, include_extras=True)
+    return StructConstructorSpec(
+        instantiate=info.type,
+        fields=tuple(
+            StructFieldSpec(
+                field.name, kinds[field.name], _default(field, info.default), partial(_text, info.type, field.name)
+            )
+            for field in fields(info.type)
+            if field.init
+        ),
+    )
+
+
+def _default(field: Field[Any], instance: Any) -> Any:
+    """Return the default of a field: that of an instance of the dataclass, if there is one, or its own."""
+    if instance is tyro.MISSING:
+        return instance
+    if is_dataclass(instance):
+        return getattr(instance, field.name)
+    if field.default_factory is not MISSING:
+        return field.default_factory()
+    return MISSING_NONPROP if field.default is MISSING else field.default
+
+
+def _text(kind: type, name: str) -> str | None:
+    """Return the docstring of a field, with the line breaks between paragraphs alone."""
+    text = _docstrings(kind).get(name)
+    return None if text is None else "\n\n".join(" ".join(part.split()) for part in text.split("\n\n"))
+
+
+@cache
+def _docstrings(kind: type) -> dict[str, str | None]:
+    """Return the docstrings of the fields of a dataclass by their names, those of its bases included."""
+    from docstring_parser import parse_from_object
+
+    owners = reversed(kind.__mro__[:-1])
+    return {found.arg_name: found.description for owner in owners for found in parse_from_object(owner).params}
 
 
 def parse(kind: Any, prog: str, argv: Sequence[str] | None = None, **more: Any) -> Any:

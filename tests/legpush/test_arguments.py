@@ -19,7 +19,10 @@ class Bake:
     changes: Annotated[Repeated[str], arg("FIELD=VALUE", name="set")] = ()
     """Changes."""
     fast: Flag = False
-    """Hurry."""
+    """Hurry. A cake that is baked in a hurry is a cake that is not done in the middle, and one that nobody wants to eat
+    warm.
+
+    It is eaten all the same."""
     light: Switch = True
     """Leave the light on."""
     output: OutputOptions = USUAL_OUTPUT
@@ -47,6 +50,17 @@ def test_help_shows_choices_and_defaults_that_say_something(capsys: pytest.Captu
     assert "(default: yes)" in text
     for nothing in ("None", "(default: )", "False", "--no-fast"):
         assert nothing not in text
+
+
+def test_help_breaks_the_lines_of_a_docstring_where_the_terminal_ends_and_between_paragraphs(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "160")
+    with pytest.raises(SystemExit):
+        parse(Bake, "bake", ["--help"])
+    text = capsys.readouterr().out
+    assert "nobody wants to eat warm. " in text
+    assert "warm. It is" not in text
 
 
 @pytest.mark.parametrize(

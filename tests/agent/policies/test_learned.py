@@ -117,6 +117,16 @@ def test_a_folder_of_a_training_names_its_policies(folder: Path, tmp_path: Path)
         load_learned(str(training))
 
 
+def test_a_folder_of_trainings_names_a_policy_of_one(folder: Path, tmp_path: Path) -> None:
+    trainings = tmp_path / "trainings"
+    for seed in (2, 1):
+        shutil.copytree(folder, trainings / f"seed-{seed}" / "best")
+
+    message = rf"{trainings}: expected a policy, got a folder of trainings: choose one, such as {trainings}/seed-1/best"
+    with pytest.raises(PolicyError, match=message):
+        load_learned(str(trainings))
+
+
 @pytest.mark.parametrize("name", ["policy.safetensors", "card.json"])
 def test_a_missing_file_is_named(folder: Path, name: str) -> None:
     (folder / name).unlink()
