@@ -96,7 +96,7 @@ def _options(info: StructTypeInfo) -> StructConstructorSpec | None:
 
     A generic dataclass is one of tyro's own.
     """
-    if not is_dataclass(info.type) or getattr(info.type, "__parameters__", ()):
+    if not is_dataclass(info.type) or hasattr(info.type, "__parameters__"):
         return None
     kinds = get_type_hints(info.type, include_extras=True)
     return StructConstructorSpec(
