@@ -2,7 +2,6 @@
 
 import errno
 import os
-import signal
 from contextlib import suppress
 
 import pytest
@@ -30,6 +29,10 @@ def caused(error: LegpushError, *causes: BaseException) -> LegpushError:
         above.__cause__ = cause
         above = cause
     return error
+
+
+def interrupted() -> None:
+    raise KeyboardInterrupt
 
 
 def system_error(number: int) -> OSError:
@@ -63,7 +66,7 @@ def test_a_full_disk_after_an_interrupt_is_told(capsys: pytest.CaptureFixture[st
 
     def work() -> int:
         try:
-            signal.raise_signal(signal.SIGINT)
+            interrupted()
         except KeyboardInterrupt:
             raise DiskFullError("no space") from system_error(errno.ENOSPC)
         return 0

@@ -51,6 +51,15 @@ def n_live(folder: Path) -> int:
     return len(list(folder.glob(f"t/legpush-*/{RUN_FILE}")))
 
 
+def planners_of(mission: subprocess.Popen[str]) -> list[psutil.Process]:
+    """The planner that a mission has started, if it has."""
+    found = []
+    for each in psutil.Process(mission.pid).children(recursive=True):
+        with suppress(psutil.NoSuchProcess, psutil.ZombieProcess):
+            found += [each] if "planner_proc" in each.cmdline() else []
+    return found
+
+
 def end(process: subprocess.Popen[str]) -> tuple[int, str]:
     """Exit code and output of a process that is asked to end."""
     process.send_signal(signal.SIGINT)
@@ -66,12 +75,21 @@ def n_said(recording: Recording, role: str) -> int:
 def test_a_mission_that_runs_is_recorded(start: Start, tmp_path: Path) -> None:
     file = tmp_path / "mission.mcap"
     mission = start("run", "push", "--no-video", "--out", "r1")
+    assert eventually(lambda: planners_of(mission) != [], 30.0)
+    (planner,) = planners_of(mission)
+    planner.suspend()  # so that the mission is not over before the recorder has started
     assert eventually(lambda: n_live(tmp_path) == 1, 30.0)
     recorder = start("record", file.name)
+    assert recorder.stderr is not None
+    before = ""
+    while "recording to" not in before:
+        before += recorder.stderr.readline()
+    planner.resume()
     out, err = mission.communicate(timeout=120.0)
     assert mission.returncode == 0, out + err
     assert n_live(tmp_path) == 0
-    code, said = end(recorder)
+    code, after = end(recorder)
+    said = before + after
     assert code == 0, said
     assert f"recording run r1 (run, in {tmp_path}/r1)" in said
     recording = read_recording([file])

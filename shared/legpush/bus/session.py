@@ -49,6 +49,7 @@ class ZenohSession:
         """
         require_welcome(endpoints)
         prepare(endpoints)
+        self._link_events: Any = None
         try:
             if endpoints.mode == "client":
                 stop = stop or threading.Event()
@@ -70,10 +71,15 @@ class ZenohSession:
             else:
                 log.warning("the link to the router at %s is gone; it comes again with a router", event.link.dst)
 
-        self._kept = self._session.info.declare_link_events_listener(_callback(tell), history=True)
+        self._link_events = self._session.info.declare_link_events_listener(_callback(tell), history=True)
 
     def close(self) -> None:
-        """Close all links."""
+        """Close all links.
+
+        The events of links end first: a call of Zenoh's that comes while Python ends aborts the process.
+        """
+        if self._link_events is not None:
+            self._link_events.undeclare()
         self._session.close()
 
     def linked(self) -> tuple[str, ...]:
