@@ -217,7 +217,7 @@ def _report(
 def _same_problem(options: TuneOptions) -> list[str]:
     """The flags of `legpush train` that a profile does not have, as they were given here."""
     words: list[str] = []
-    for name in ("entry", "scenario", "mass_kg", "friction", "distance_m", "simulators"):
+    for name in ("entry", "scenario", "mass_kg", "friction", "distance_m", "world", "simulators"):
         value = getattr(options, name)
         if value is not None:
             words += [f"--{name.replace('_', '-')}", *map(str, value if isinstance(value, tuple) else (value,))]

@@ -99,7 +99,7 @@ def _source(name_or_path: str) -> Traversable:
         return Path(name_or_path)
     if name_or_path not in task_names():
         raise ConfigError(
-            f"Expected the name of a task ({', '.join(task_names())}) or the path of a {SUFFIX} file for --task, got "
+            f"Expected the name of a task ({', '.join(task_names())}) or the path of a {SUFFIX} file, got "
             f"{name_or_path!r}"
         )
     return files("agent_proc.task") / "builtin" / f"{name_or_path}{SUFFIX}"

@@ -93,7 +93,8 @@ def _policy_of(training: Path, which: Which) -> str:
         ConfigError: It is not.
     """
     if not (training / "last" / CARD_FILE).is_file():
-        raise ConfigError(f"{training}: expected a training that is done; legpush train --resume goes on with it")
+        resumed = training.parent if has_seeds(training.parent) else training
+        raise ConfigError(f"{training}: expected a training that is done; legpush train --resume {resumed} goes on")
     return str((training / which).absolute())
 
 

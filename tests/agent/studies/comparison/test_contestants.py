@@ -61,5 +61,13 @@ def test_what_cannot_take_part_is_refused(tmp_path: Path) -> None:
         with pytest.raises(error, match=match):
             find_contestants(runs, "best")
     shutil.rmtree(one / "last")
-    with pytest.raises(ConfigError, match="expected a training that is done"):
+    with pytest.raises(ConfigError, match=rf"expected a training that is done; legpush train --resume {one} goes on"):
         find_contestants([str(one)], "best")
+
+
+def test_of_several_seeds_the_whole_training_is_resumed(tmp_path: Path) -> None:
+    seeds = tmp_path / "seeds"
+    (seeds / STUDY).mkdir(parents=True)
+    (seeds / STUDY / STUDY_FILE).write_text(study_text({}, [1, 2]))
+    with pytest.raises(ConfigError, match=rf"{seeds}/seed-1: expected .* --resume {seeds} goes on"):
+        find_contestants([str(seeds)], "best")
