@@ -62,6 +62,7 @@ def train(options: TrainOptions, console: Console) -> int:
     with learning_libraries("a training"):
         from agent_proc.learning.checkpoint import CHECKPOINT_FILE
         from agent_proc.learning.loggers.registry import require_tools
+    options.require_own_settings()
     if options.seeds is not None or (options.resume is not None and has_seeds(options.resume)):
         return _train_seeds(options, console)
     if options.resume is not None:

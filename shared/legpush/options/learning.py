@@ -1,7 +1,7 @@
 """Options of `legpush train`, `evaluate` and `calibrate`."""
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -76,6 +76,13 @@ class SimulatorOptions:
     def n_simulators(self) -> int:
         """Number of simulators to use."""
         return self.simulators if self.simulators is not None else default_simulators()
+
+
+SETTINGS: Final = (
+    *("profile", "task", "entry", "actions", "seed", "scenario", "changes", "steps"),
+    *("mass_kg", "friction", "distance_m", "world", "simulators", "init", "film_every", "film_last", "dry_run"),
+)
+"""Options of a training that its folder keeps."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,8 +161,22 @@ class TrainOptions(SimulatorOptions):
                 require(kind, value, flag)
         if self.resume is not None and self.out is not None:
             raise ConfigError("Expected either --resume DIR, which continues in its folder, or --out DIR, got both")
-        if self.resume is not None and self.init is not None:
-            raise ConfigError("Expected either --resume DIR, which continues a training, or --init, got both")
+
+    def require_own_settings(self) -> None:
+        """Require that a training that goes on gets none of its settings again, since it keeps them.
+
+        Raises:
+            ConfigError: An option is given that it would ignore.
+        """
+        given = [
+            "--set" if field.name == "changes" else f"--{field.name.replace('_', '-')}"
+            for field in fields(self)
+            if field.name in SETTINGS and getattr(self, field.name) != field.default
+        ]
+        if self.resume is not None and given:
+            raise ConfigError(
+                f"Expected --resume DIR, which continues a training with its own settings, without {', '.join(given)}"
+            )
 
     def _check_seeds(self, seeds: str) -> None:
         parse_seeds(seeds, "--seeds")

@@ -230,3 +230,8 @@ def test_a_task_of_missions_is_refused_before_anything_begins(options: TrainOpti
         said(replace(options, task="push-l4", entry=None, mass_kg=None))
     assert options.out is not None
     assert not options.out.exists()
+
+
+def test_a_training_that_goes_on_gets_no_setting_again(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="without --steps"):
+        train(TrainOptions(resume=tmp_path, steps=5120), Console(file=io.StringIO()))
