@@ -14,7 +14,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("program", CASES)
-def test_bad_input_is_one_line_and_exit_code_2(program: str, tmp_path: Path) -> None:
+def test_bad_input_is_one_line_and_exit_code_2(program: str) -> None:
     root = Path(__file__).parents[2]
     done = subprocess.run(
         [sys.executable, "-m", f"experiments.{program}", "nothing"],

@@ -51,12 +51,12 @@ def n_live(folder: Path) -> int:
     return len(list(folder.glob(f"t/legpush-*/{RUN_FILE}")))
 
 
-def planners_of(mission: subprocess.Popen[str]) -> list[psutil.Process]:
-    """The planner that a mission has started, if it has."""
+def children(pid: int, word: str) -> list[psutil.Process]:
+    """The processes with this word in their command line that a process has started, zombies left out."""
     found = []
-    for each in psutil.Process(mission.pid).children(recursive=True):
+    for each in psutil.Process(pid).children():
         with suppress(psutil.NoSuchProcess, psutil.ZombieProcess):
-            found += [each] if "planner_proc" in each.cmdline() else []
+            found += [each] if word in each.cmdline() else []
     return found
 
 
@@ -75,16 +75,23 @@ def n_said(recording: Recording, role: str) -> int:
 def test_a_mission_that_runs_is_recorded(start: Start, tmp_path: Path) -> None:
     file = tmp_path / "mission.mcap"
     mission = start("run", "push", "--no-video", "--out", "r1")
-    assert eventually(lambda: planners_of(mission) != [], 30.0)
-    (planner,) = planners_of(mission)
-    planner.suspend()  # so that the mission is not over before the recorder has started
+    planners: list[psutil.Process] = []
+
+    def has_planner() -> bool:
+        planners.extend(children(mission.pid, "planner_proc"))
+        return planners != []
+
+    assert eventually(has_planner, 30.0)
+    planners[0].suspend()  # so that the mission is not over before the recorder has started
     assert eventually(lambda: n_live(tmp_path) == 1, 30.0)
     recorder = start("record", file.name)
     assert recorder.stderr is not None
     before = ""
-    while "recording to" not in before:
-        before += recorder.stderr.readline()
-    planner.resume()
+    for line in recorder.stderr:
+        before += line
+        if "recording to" in line:
+            break
+    planners[0].resume()
     out, err = mission.communicate(timeout=120.0)
     assert mission.returncode == 0, out + err
     assert n_live(tmp_path) == 0
@@ -95,15 +102,6 @@ def test_a_mission_that_runs_is_recorded(start: Start, tmp_path: Path) -> None:
     recording = read_recording([file])
     assert all(n_said(recording, role) > 0 for role in ("planner", "sim", "agent")), said
     assert recording.about["run"] == "r1"
-
-
-def simulators_1(pid: int) -> list[psutil.Process]:
-    """The simulators with the name `sim1` that a process has started, zombies left out."""
-    found = []
-    for each in psutil.Process(pid).children():
-        with suppress(psutil.NoSuchProcess, psutil.ZombieProcess):
-            found += [each] if "sim1" in each.cmdline() else []
-    return found
 
 
 def test_simulators_of_an_evaluation_are_recorded_from_the_middle_on_and_when_they_are_replaced(
@@ -117,9 +115,9 @@ def test_simulators_of_an_evaluation_are_recorded_from_the_middle_on_and_when_th
     assert n_said(read_recording([first]), "sim") > 0
     recorder = start("record", late.name)
     assert eventually(lambda: late.exists() and late.stat().st_size > 200_000, 30.0)
-    (victim,) = simulators_1(evaluation.pid)
+    (victim,) = children(evaluation.pid, "sim1")
     victim.kill()
-    assert eventually(lambda: any(each != victim for each in simulators_1(evaluation.pid)), 60.0)
+    assert eventually(lambda: any(each != victim for each in children(evaluation.pid, "sim1")), 60.0)
     size = late.stat().st_size
     assert eventually(lambda: late.stat().st_size > size + 1_000_000, 60.0)
     code, said = end(evaluation)
