@@ -6,7 +6,7 @@ ARGS ?=
 
 # Tests run in a few processes, each file in one of them, in the order of tests/conftest.py. ARGS come later and win:
 # -n0 runs them one after the other.
-PYTEST := -m pytest -q -n auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
+PYTEST := -m pytest -q -n auto --dist loadfile --no-loadscope-reorder
 
 BIN := $(VENV)/bin
 TORCH := $(shell sed -n 's/^torch==//p' constraints.txt)

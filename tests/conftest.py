@@ -3,12 +3,21 @@
 Quick ones fill the time of the processes that are done early.
 """
 
+import os
 import signal
 import sys
+from typing import Final
 
 import pytest
 
 from legpush.numerics.entry import enter_profile
+
+MOST_PROCESSES: Final = 4
+
+
+def pytest_xdist_auto_num_workers() -> int:
+    """One process more than there are cores: tests that wait for the programs that they started leave cores idle."""
+    return min(MOST_PROCESSES, (os.cpu_count() or 1) + 1)
 
 
 @pytest.hookimpl(tryfirst=True)

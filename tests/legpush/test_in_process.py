@@ -80,6 +80,8 @@ yaw_deg = 0.0
 x_m = 6.5
 y_m = 2.0
 yaw_deg = 0.0
+[pushing]
+max_iterations = 500
 """
 
 
