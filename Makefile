@@ -36,7 +36,7 @@ lint: $(VENV)/.test ## Check style, types and import contracts
 	@$(BIN)/ruff check
 	@$(BIN)/ruff format --check
 	@echo '==> types'
-	@$(BIN)/mypy
+	@$(BIN)/mypy --num-workers 2
 	@echo '==> import contracts'
 	@$(BIN)/lint-imports
 
