@@ -5,7 +5,8 @@ from rich.console import Console
 from rich.text import Text
 
 from agent_proc.policies.folder import Card
-from agent_proc.statistics.intervals import mean
+from agent_proc.statistics.estimate import CUT
+from agent_proc.statistics.intervals import STUDENT_T
 from agent_proc.studies.comparison.contestants import Contestant, cards_of, find_contestants
 from agent_proc.studies.comparison.curves import MEASURES, TITLES, WINDOW, Curve, make_curve, save_curves
 from legpush.errors import ConfigError
@@ -33,7 +34,8 @@ def draw_curves(options: CurvesOptions, console: Console) -> int:
     save_curves(curves, options.out)
     for curve in curves:
         console.print(Text(f"{curve.label}: {_end(curve)}"), soft_wrap=True)
-    console.print(Text(f"means over the last {WINDOW} episodes of the trainings, with exploration"), soft_wrap=True)
+    said = f"means over the last {WINDOW} episodes of the trainings, with exploration; {STUDENT_T}, {CUT}"
+    console.print(Text(said), soft_wrap=True)
     console.print(Text(f"wrote {options.out}"), soft_wrap=True)
     document({"picture": options.out, "curves": [_plain(curve) for curve in curves]})
     return 0
@@ -51,8 +53,7 @@ def _end(curve: Curve) -> str:
     parts: list[str] = []
     for name in MEASURES:
         title, scale = TITLES[name]
-        estimate = mean((scale * curve.seeds[name][:, -1]).tolist())
-        parts.append(f"{title} {estimate:.2f}")
+        parts.append(f"{title} {curve.end(name).scaled(scale):.2f}")
     n = len(next(iter(curve.seeds.values())))
     return f"{', '.join(parts)} (n {n}, step {curve.steps[-1]:.0f})"
 

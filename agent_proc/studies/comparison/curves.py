@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import Final
 
@@ -9,7 +10,8 @@ import numpy as np
 
 from agent_proc.figures import Axes, Figure, own_style, plain_log_ticks, save_figure
 from agent_proc.policies.folder import CurvePoint
-from agent_proc.statistics.intervals import STUDENT_T, mean_curve
+from agent_proc.statistics.estimate import CUT, Estimate
+from agent_proc.statistics.intervals import STUDENT_T, mean, mean_curve
 from legpush.arrays import Floats
 from legpush.errors import ConfigError
 
@@ -24,6 +26,13 @@ TITLES: Final = {
     "position_error_m": ("position error [cm]", 100.0),
     "angle_error_deg": ("angle error [°]", 1.0),
 }
+POSSIBLE: Final = {
+    "episode_return": (-inf, inf),
+    "success": (0.0, 1.0),
+    "position_error_m": (0.0, inf),
+    "angle_error_deg": (0.0, inf),
+}
+"""Least and most that a measure can be. Student's interval of few values may reach beyond."""
 LOGARITHMIC: Final = ("position_error_m", "angle_error_deg")
 
 
@@ -36,6 +45,10 @@ class Curve:
     """(k,): push cycles."""
     seeds: dict[str, Floats]
     """By measure: (trainings, k)."""
+
+    def end(self, name: str) -> Estimate:
+        """Mean of the last values of a measure over the trainings."""
+        return mean(self.seeds[name][:, -1].tolist()).cut(*POSSIBLE[name])
 
 
 def make_curve(label: str, trainings: Sequence[Sequence[CurvePoint]]) -> Curve:
@@ -68,7 +81,7 @@ def save_curves(curves: Sequence[Curve], path: Path) -> None:
         for axis, name in zip(figure.subplots(2, 2, sharex=True).flatten(), MEASURES, strict=True):
             title, scale = TITLES[name]
             for index, curve in enumerate(curves):
-                _draw(axis, curve, scale * curve.seeds[name], f"C{index}", logarithmic=name in LOGARITHMIC)
+                _draw(axis, curve, name, scale, f"C{index}")
             axis.set_ylabel(title)
             axis.grid(alpha=0.3)
             if name == "success":
@@ -79,7 +92,9 @@ def save_curves(curves: Sequence[Curve], path: Path) -> None:
         figure.axes[0].legend(fontsize=8)
         for axis in figure.axes[2:]:
             axis.set_xlabel("push cycles")
-        figure.suptitle(f"Mean over {WINDOW} episodes of the training: each seed, mean over seeds with {STUDENT_T}")
+        figure.suptitle(
+            f"Mean over {WINDOW} episodes of the training: each seed, mean over seeds with {STUDENT_T}, {CUT}"
+        )
         save_figure(figure, path, dpi=110)
 
 
@@ -89,13 +104,17 @@ def _moving_mean(points: Sequence[CurvePoint], name: str) -> Floats:
     return found
 
 
-def _draw(axis: Axes, curve: Curve, values: Floats, colour: str, *, logarithmic: bool) -> None:
+def _draw(axis: Axes, curve: Curve, name: str, scale: float, colour: str) -> None:
+    values = curve.seeds[name]
     n = len(values)
     middle, low, high = mean_curve(values)
-    axis.plot(curve.steps, middle, color=colour, linewidth=2, label=f"{curve.label}, {n} seed{'s' if n > 1 else ''}")
+    label = f"{curve.label}, {n} seed{'s' if n > 1 else ''}"
+    axis.plot(curve.steps, scale * middle, color=colour, linewidth=2, label=label)
     if n > 1:
         for each in values:
-            axis.plot(curve.steps, each, color=colour, linewidth=0.7, alpha=0.4)
-        # Student's interval of an error may reach below 0, where a logarithmic axis ends.
-        floor = values.min() / 2 if logarithmic else low.min()
-        axis.fill_between(curve.steps, np.maximum(low, floor), high, color=colour, alpha=0.15)
+            axis.plot(curve.steps, scale * each, color=colour, linewidth=0.7, alpha=0.4)
+        least, most = POSSIBLE[name]
+        # A logarithmic axis ends above 0: there the interval reaches below all curves.
+        least = max(least, values.min() / 2) if name in LOGARITHMIC else least
+        low, high = (scale * np.clip(end, least, most) for end in (low, high))
+        axis.fill_between(curve.steps, low, high, color=colour, alpha=0.15)
