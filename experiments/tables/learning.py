@@ -49,7 +49,7 @@ def _variant(study: str, row: Row) -> str:
         case "training_paper":
             return f"paper-{row['entry']}"
         case "training_fixed" | "training_variable":
-            return f"{row['profile']}-{row['entry']}"
+            return f"tuned-{study.removeprefix('training_')}"
         case "training_networks":
             return f"network-{len(row['hidden'])}x{row['hidden'][0]}"
         case "training_algorithms":
