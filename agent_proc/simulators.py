@@ -1,8 +1,9 @@
 """The worlds of a learner: simulators that it starts, running ones that it joins, or worlds in this process."""
 
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
+from functools import cache
 from pathlib import Path
 from typing import Final, cast
 
@@ -10,14 +11,16 @@ from agent_proc.joining import joined_simulators
 from legpush.bus.bus import Bus
 from legpush.bus.endpoints import Endpoints, by_router
 from legpush.bus.secure.host_folder import credentials_of
+from legpush.errors import ScenarioError
 from legpush.lockstep.bus_world import BusWorld
 from legpush.lockstep.client import SimLink
 from legpush.lockstep.local import LocalWorld
-from legpush.lockstep.simulator import Stepper
+from legpush.lockstep.simulator import LimitedStepper, Stepper
 from legpush.lockstep.world import SteppingWorld
 from legpush.options.learning import DEFAULT_WORLD, SimulatorOptions
 from legpush.patience import Patience
 from legpush.plugins import load_plugin
+from legpush.scene.scenario import Scenario
 
 MAP: Final = "map"
 """The plug-in that takes the file of a response map."""
@@ -58,22 +61,37 @@ def local_worlds(n: int, name_or_file: str) -> list[SteppingWorld]:
         PluginError: There is no such plug-in, or it cannot be imported.
         ConfigError: The file cannot be used.
     """
+    return [LocalWorld(_stepper(name_or_file)) for _ in range(n)]
+
+
+def _stepper(name_or_file: str) -> Stepper:
+    """Make a simulator of this process (`PluginError`, `ConfigError`)."""
     if not name_or_file.endswith(MAP_SUFFIX):
-        make = load_plugin("legpush.simulators", name_or_file)
-        return [LocalWorld(cast(Stepper, make())) for _ in range(n)]
-    make_of_file = load_plugin("legpush.simulators", MAP)
-    return [LocalWorld(cast(Stepper, make_of_file(Path(name_or_file)))) for _ in range(n)]
+        return cast(Stepper, load_plugin("legpush.simulators", name_or_file)())
+    return cast(Stepper, load_plugin("legpush.simulators", MAP)(Path(name_or_file)))
 
 
-def require_world(name_or_file: str) -> None:
-    """Require a world that can be made.
+_asked = cache(_stepper)
+"""Simulators that are asked alone: a study asks for each of its cells."""
+
+
+def unknown_in(name_or_file: str, scenarios: Iterable[Scenario]) -> str | None:
+    """Say what a world does not know of scenarios; None if it knows all of them.
 
     Raises:
         PluginError: There is no such plug-in, or it cannot be imported.
         ConfigError: The file cannot be used.
     """
-    if name_or_file != DEFAULT_WORLD:
-        local_worlds(1, name_or_file)
+    if name_or_file == DEFAULT_WORLD:
+        return None
+    stepper = _stepper(name_or_file) if name_or_file.endswith(MAP_SUFFIX) else _asked(name_or_file)
+    if isinstance(stepper, LimitedStepper):
+        try:
+            for scenario in scenarios:
+                stepper.require_described(scenario)
+        except ScenarioError as error:
+            return str(error)
+    return None
 
 
 def simulators(

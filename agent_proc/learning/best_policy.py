@@ -8,7 +8,8 @@ from agent_proc.evaluation.starts import FIRST_CHECK_SEED, starts_of
 from agent_proc.learning.learner import Learner, observation_moments
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.actor import Normalizer
-from agent_proc.policies.folder import Card, Check, CurvePoint, PolicyFolder
+from agent_proc.policies.card import Card, Check, CurvePoint
+from agent_proc.policies.folder import PolicyFolder
 from agent_proc.policies.learned import NetworkPolicy
 from agent_proc.policies.reach import Reach
 from agent_proc.policies.sb3.layers import actor_layers
@@ -30,6 +31,8 @@ def build_policy(
         check=check,
         curve=tuple(curve),
         reach=reach,
+        world=plan.world,
+        init=plan.init,
     )
     normalizer = None
     if (moments := observation_moments(learner.normalizer)) is not None:

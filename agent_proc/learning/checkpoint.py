@@ -9,7 +9,7 @@ import msgspec
 from msgspec import Struct
 
 from agent_proc.learning.learner_state import LearnerState
-from agent_proc.policies.folder import Check, CurvePoint
+from agent_proc.policies.card import Check, CurvePoint
 from agent_proc.policies.reach import Visits
 from legpush.errors import LegpushError
 from legpush.files import write_whole

@@ -30,7 +30,8 @@ from agent_proc.learning.learner import Learner, make_learner, set_exploration, 
 from agent_proc.learning.learner_state import capture, restore
 from agent_proc.learning.loggers.registry import make_callbacks, make_loggers
 from agent_proc.learning.training_plan import Progress, TrainingPlan, TrainingResult
-from agent_proc.policies.folder import Check, CurvePoint, write_policy
+from agent_proc.policies.card import Check, CurvePoint
+from agent_proc.policies.folder import write_policy
 from agent_proc.policies.reach import Visits
 from agent_proc.policies.sb3.arguments import use_one_thread
 from legpush.errors import LegpushError, StopRequestedError

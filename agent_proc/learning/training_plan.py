@@ -1,11 +1,20 @@
 """The plan, the progress and the result of a training."""
 
-from dataclasses import dataclass
+import shlex
+from dataclasses import dataclass, fields, replace
+from typing import Any, Final
 
-from agent_proc.policies.folder import Check
+from agent_proc.policies.card import Check
 from agent_proc.profiles.profile import AnyProfile
 from agent_proc.task.config import TaskConfig
-from legpush.options.learning import DEFAULT_WORLD
+from legpush.arguments import words
+from legpush.options.learning import DEFAULT_WORLD, TrainOptions
+
+ELSEWHERE: Final = (
+    *("out", "resume", "seeds", "workers", "dry_run", "output"),
+    *("join", "listen", "connect", "router", "secure", "record"),
+)
+"""Options of a training that say where it is made and what is told of it, and nothing about its policy."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,6 +26,7 @@ class TrainingPlan:
     seed: int
     n_simulators: int
     command: str
+    """Makes its policy again."""
     versions: dict[str, str]
     world: str = DEFAULT_WORLD
     """What is pushed in: the simulators, a plug-in, or the file of a response map."""
@@ -30,6 +40,13 @@ class TrainingPlan:
     """Keep an episode for a film of every N-th evaluation."""
     film_last: bool = False
     """Keep an episode for a film of the last evaluation."""
+
+
+def command_of(options: TrainOptions) -> str:
+    """The command that makes the same policy on any host: it has the number of simulators, and no folder."""
+    elsewhere: dict[str, Any] = {field.name: field.default for field in fields(options) if field.name in ELSEWHERE}
+    given = replace(options, simulators=options.n_simulators, **elsewhere)
+    return shlex.join(["legpush", "train", *words(given)])
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -46,6 +46,7 @@ NO_TICKS: Final = Trace(
     tick=(), qpos=(), roll_pitch_rad=(), tips_m=(), contact_forces_n=(), com_m=(), zmp_m=(), support_margin_m=()
 )
 STATE: Final = Struct("<6d2q")
+FIRST_SEED: Final = 0
 REST: Final = (0.0, 0.0, 0.0)
 
 
@@ -107,22 +108,27 @@ class MapSimulator:
             )
         return Outcome(world=self._world(), state_crc=self._state_crc(), trace=NO_TICKS if with_trace else None)
 
+    def require_described(self, scenario: Scenario) -> None:
+        """Require a scenario that the map describes.
+
+        Raises:
+            ScenarioError: Box, robot or floor are others, or the robot does not know what it senses.
+        """
+        if n_obstacles := len(scenario.room.obstacles):
+            raise ScenarioError(
+                f"{scenario.name}: expected a floor without obstacles for a world without physics, got "
+                f"{n_obstacles} of them"
+            )
+        self._effects.require_described(scenario)
+        _require_ideal(scenario, FIRST_SEED)
+
     def _reset(self, reset: Reset) -> None:
         scenario = reset.scenario
         if scenario is not self._checked:
-            if n_obstacles := len(scenario.room.obstacles):
-                raise ScenarioError(
-                    f"{scenario.name}: expected a floor without obstacles for a world without physics, got "
-                    f"{n_obstacles} of them"
-                )
-            self._effects.require_described(scenario)
+            self.require_described(scenario)
             self._checked = scenario
         self._scenario, self._seed = scenario, reset.seed
-        if not drawn_reality(scenario.realism, reset.seed).ideal:
-            raise ScenarioError(
-                f"{scenario.name}: expected a world that is what the robot takes it to be, without physics, got "
-                f"`realism` with {', '.join(realism_table(scenario.realism))}"
-            )
+        _require_ideal(scenario, reset.seed)
         self._trunk, self._box = drawn_poses(scenario, reset.seed)
         self._box_height_m = scenario.box.size_m[2]
         self._stance = self._map.stances.start
@@ -207,6 +213,15 @@ def mean_map_simulator() -> MapSimulator:
 def unknown_box_simulator() -> MapSimulator:
     """A simulator of boxes of any size, of which each episode draws another one."""
     return MapSimulator(effects=DrawnEffects)
+
+
+def _require_ideal(scenario: Scenario, seed: int) -> None:
+    """Require a world that is what the robot takes it to be (`ScenarioError`)."""
+    if not drawn_reality(scenario.realism, seed).ideal:
+        raise ScenarioError(
+            f"{scenario.name}: expected a world that is what the robot takes it to be, without physics, got "
+            f"`realism` with {', '.join(realism_table(scenario.realism))}"
+        )
 
 
 _default_map = cache(load_response_map)

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import msgspec
 
-from agent_proc.policies.folder import CARD_FILE, WEIGHTS_FILE, policy_path
+from agent_proc.policies.card import CARD_FILE
+from agent_proc.policies.folder import WEIGHTS_FILE, policy_path
 from agent_proc.policies.folder_files import read_file
 from agent_proc.task.terms import GROUP as TERMS
 from agent_proc.task.terms import foreign_terms

@@ -6,19 +6,18 @@ from pathlib import Path
 from typing import Any, Final
 
 import msgspec
-from msgspec import Struct
 
 from agent_proc.policies.actor import Actor, Layer, Normalizer
+from agent_proc.policies.card import CARD_FILE, Card, Check, CurvePoint, readme
 from agent_proc.policies.folder_files import decode_file, read_file
 from agent_proc.policies.reach import Reach
 from agent_proc.policies.weights_file import decode_weights, encode_weights
-from agent_proc.profiles.profile import AnyProfile, read_profile
+from agent_proc.profiles.profile import read_profile
 from agent_proc.task.action import CHOICES, n_actions
-from agent_proc.task.config import TaskConfig
 from agent_proc.task.elements import Element, action_elements, observation_elements
 from agent_proc.task.file import read_task
 from agent_proc.task.observed import n_observed
-from legpush.errors import ConfigError, PluginError, PolicyError, one_line
+from legpush.errors import ConfigError, PluginError, PolicyError
 from legpush.files import replace_folder
 from legpush.plugins import plugin_names
 from legpush.scenarios.file import scenario_table
@@ -29,67 +28,10 @@ FORMER_FORMAT: Final = 2
 OLD_FORMAT: Final = 1
 """With the networks in a zip of Stable-Baselines3."""
 WEIGHTS_FILE: Final = "policy.safetensors"
-CARD_FILE: Final = "card.json"
 README_FILE: Final = "README.md"
 OBSERVATION: Final = "observation"
 ACTION: Final = "action"
 """Fields of the card that follow from its task."""
-
-
-class CurvePoint(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """An episode that ended during training."""
-
-    step: int
-    episode_return: float
-    length: int
-    success: bool
-    position_error_m: float
-    """At the end of the episode, like the angle."""
-    angle_error_deg: float
-
-
-class Check(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Result of an evaluation of the deterministic policy."""
-
-    step: int
-    """Step of the training at which it was made."""
-    seeds: tuple[int, ...]
-    success_rate: float
-    position_error_m: float
-    """Mean."""
-    angle_error_deg: float
-    """Mean."""
-    falls: int
-    cycles: float
-    """Mean."""
-
-    def __str__(self) -> str:
-        """One line for logs and the README of the policy."""
-        return (
-            f"success {self.success_rate:.0%}, {100 * self.position_error_m:.2f} cm, {self.angle_error_deg:.2f}°, "
-            f"{self.cycles:.0f} cycles, {self.falls} falls (n = {len(self.seeds)})"
-        )
-
-
-@dataclass(frozen=True, kw_only=True)
-class Card:
-    """What a policy does and how it was trained."""
-
-    command: str
-    """The command that trained it."""
-    task: TaskConfig
-    profile: AnyProfile
-    seed: int
-    """Seed of the training."""
-    steps: int
-    """Push cycles of the training up to this policy."""
-    n_simulators: int
-    versions: dict[str, str]
-    check: Check | None
-    """The evaluation for which it was kept."""
-    curve: tuple[CurvePoint, ...]
-    reach: Reach | None = None
-    """How far off it was trained; None for policies of versions that did not note it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -255,41 +197,7 @@ _CARD_FIELDS: Final[dict[str, Any]] = {
     "check": Check | None,
     "curve": tuple[CurvePoint, ...],
     "reach": Reach | None,
+    "world": str | None,
+    "init": str | None,
 }
 """Types of all fields but the profile and the task, which have readers of their own."""
-
-
-def readme(card: Card) -> str:
-    """The card as text for the README of a folder."""
-    task, profile = card.task, card.profile
-    lines = [
-        f"# Policy: {task.entry} entry, {profile.algorithm.upper()}",
-        "",
-        f"Trained on the scenario `{task.scenario.name}` with {card.steps} push cycles, seed {card.seed}, "
-        f"{card.n_simulators} simulators:",
-        "",
-        f"    {one_line(card.command)}",
-        "",
-        f"- profile: {one_line(profile.description)}",
-        f"- task: {one_line(task.description) or 'without a description'}",
-        f"- reward: {', '.join(_weighted(task))}; an episode ends by {', '.join(task.ending) or 'its length alone'}",
-        f"- networks: {' x '.join(map(str, profile.network.hidden))}, {profile.network.activation}",
-        f"- evaluation that it was kept for: {card.check or 'none'}",
-        *([] if card.reach is None else [f"- trained with the box up to {card.reach}, where it stops"]),
-        f"- training episodes: {len(card.curve)}; {CARD_FILE} lists all of them, and every setting",
-        "",
-        "| observation | unit | frame | meaning |",
-        "| --- | --- | --- | --- |",
-        *(f"| {e.name} | {e.unit} | {e.frame} | {e.meaning} |" for e in observation_elements(task)),
-        "",
-        "| action | from, to | meaning |",
-        "| --- | --- | --- |",
-        *(f"| {e.name} | {e.low:g}, {e.high:g} | {e.meaning} |" for e in action_elements(task)),
-        "",
-    ]
-    return "\n".join(lines)
-
-
-def _weighted(task: TaskConfig) -> list[str]:
-    """The terms of the reward with their weights."""
-    return [f"{term.weight:g} {name}" for name, term in task.reward_terms.items()]

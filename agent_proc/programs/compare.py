@@ -2,6 +2,7 @@
 
 import shlex
 import sys
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -31,10 +32,11 @@ from agent_proc.studies.push_cell import task_of
 from agent_proc.studies.rows_of_study import rows_of_study
 from agent_proc.task.file import DEFAULT_TASK, load_task, scenario_of_task
 from agent_proc.task.rooms import refuse_missions
+from agent_proc.task.worlds import drawn_scenarios, require_known
 from legpush.errors import ConfigError
 from legpush.files import make_folder, write_whole
 from legpush.options.checks import require_writable_folder
-from legpush.options.learning_tools import CompareOptions, dated
+from legpush.options.learning_tools import SCENARIO, CompareOptions, dated
 from legpush.options.scenarios import changed_scenario
 from legpush.output.reply import document
 from legpush.scenarios.changes import parse_changes
@@ -64,17 +66,18 @@ def compare(options: CompareOptions, console: Console) -> int:
         StopRequestedError: Interrupted by a signal; what is done is kept.
         LegpushError: A cell failed.
     """
-    if (named := options.task) is not None:
-        options = replace(options, scenario=scenario_of_task(named), domain=named, task=None)
+    named = options.task
+    options = replace(options, scenario=_scenario(options), domain=named or options.domain, task=None)
     contestants = find_contestants(options.runs, options.policy)
     labels = [each.label for each in contestants]
     if options.against not in labels:
         raise ConfigError(f"Expected one of {', '.join(labels)} for --against, got {options.against}")
     seeds = range(options.seed, options.seed + options.episodes)
     require_held_out(seeds, chosen_on(cards_of(contestants)), "--seed")
-    scenario = changed_scenario(options.scenario, options.changes)
-    make_sweep(scenario, options.sweep, grid=True)
+    scenario = changed_scenario(_scenario(options), options.changes)
     goal = _goal(options, scenario)
+    require_known(options.world, partial(_episodes, options, options.sweep))
+    require_known(options.search_world, partial(_episodes, options, ()), "--search-world")
     folder = options.out or dated("compare")
     require_writable_folder(folder, "--out")
     source = named or task_source(contestants) or DEFAULT_TASK
@@ -100,6 +103,21 @@ def compare(options: CompareOptions, console: Console) -> int:
     return 0
 
 
+def _scenario(options: CompareOptions) -> str:
+    """The name or the path of the scenario (`ConfigError` if there is no such task)."""
+    return options.scenario or (SCENARIO if options.task is None else scenario_of_task(options.task))
+
+
+def _episodes(options: CompareOptions, sweep: Sequence[str], scenario: str | None) -> Iterator[Scenario]:
+    """Scenarios of some episodes, in this scenario or that of the options."""
+    changed = changed_scenario(scenario or _scenario(options), options.changes)
+    for case in make_sweep(changed, sweep, grid=True).cases.values():
+        if options.domain is None:
+            yield case
+        else:
+            yield from drawn_scenarios(load_task(options.domain, case).domain, case)
+
+
 def _goal(options: CompareOptions, scenario: Scenario) -> Goal:
     """The goal of the scenario, with the tolerances of the domain.
 
@@ -115,8 +133,8 @@ def _goal(options: CompareOptions, scenario: Scenario) -> Goal:
 
 def _settings(options: CompareOptions, task: str) -> dict[str, Any]:
     """What all cells have in common, as a study file says it from any directory."""
-    path = Path(options.scenario)
-    scenario = str(path.absolute()) if path.is_file() else options.scenario
+    name = _scenario(options)
+    scenario = str(Path(name).absolute()) if Path(name).is_file() else name
     domain = options.domain
     if domain is not None and Path(domain).is_file():
         domain = str(Path(domain).absolute())

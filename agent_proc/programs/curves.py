@@ -4,7 +4,7 @@ import numpy as np
 from rich.console import Console
 from rich.text import Text
 
-from agent_proc.policies.folder import Card
+from agent_proc.policies.card import Card
 from agent_proc.statistics.estimate import CUT
 from agent_proc.statistics.intervals import STUDENT_T
 from agent_proc.studies.comparison.contestants import Contestant, cards_of, find_contestants

@@ -21,7 +21,8 @@ from agent_proc.evaluation.sweep import Sweep, make_sweep
 from agent_proc.policies.digest import policy_sha256
 from agent_proc.policies.policy import Policy
 from agent_proc.policies.registry import make_policy
-from agent_proc.simulators import require_world, simulators
+from agent_proc.simulators import simulators
+from agent_proc.task.worlds import require_known
 from legpush.errors import ConfigError, StopRequestedError
 from legpush.files import make_folder, next_file, sha256_of, write_whole
 from legpush.long_work.finished import open_finished
@@ -63,10 +64,10 @@ def run(options: EvaluateOptions, console: Console) -> int:
     folder = options.out or _default_folder(options.policy)
     require_writable_folder(folder, "--out")
     scenario = changed_scenario(options.scenario, options.changes)
-    sweep = make_sweep(scenario, options.sweep, grid=options.grid)
+    sweep = _sweep(options, options.scenario)
     policy = make_policy(options.policy, options.normalizer, trust_file=options.trust_policy_file)
     _require_unused(folder)
-    require_world(options.world)
+    require_known(options.world, lambda name: (sweep if name is None else _sweep(options, name)).cases.values())
     if options.dry_run:
         for case, changed in sweep.cases.items():
             console.print(Text(f"# {case or scenario.name}\n{dump_scenario(changed)}"), soft_wrap=True)
@@ -100,6 +101,11 @@ def run(options: EvaluateOptions, console: Console) -> int:
     console.print(Text(f"written to {folder}"), soft_wrap=True)
     document({"folder": folder, **record})
     return 0
+
+
+def _sweep(options: EvaluateOptions, scenario: str) -> Sweep:
+    """The cases in a scenario."""
+    return make_sweep(changed_scenario(scenario, options.changes), options.sweep, grid=options.grid)
 
 
 def _finish(options: EvaluateOptions, sweep: Sweep, policy: Policy, folder: Path, console: Console) -> list[Row]:

@@ -4,8 +4,8 @@ import sys
 from pathlib import Path
 from typing import Final
 
+from agent_proc.policies.card import CARD_FILE, readme
 from agent_proc.policies.folder import (
-    CARD_FILE,
     OLD_FORMAT,
     README_FILE,
     PolicyFolder,
@@ -13,7 +13,6 @@ from agent_proc.policies.folder import (
     is_old_format,
     policy_path,
     read_policy,
-    readme,
     shipped_policies,
     write_policy,
 )

@@ -4,6 +4,7 @@ import os
 import shlex
 import sys
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -16,18 +17,19 @@ from rich.text import Text
 
 from agent_proc.evaluation.loss import episode_loss
 from agent_proc.profiles.profile import AnyProfile, TunedOn, dump_profile, load_profile
+from agent_proc.programs.training.plan import plan_of
 from agent_proc.studies.rows_of_study import rows_of_study
 from agent_proc.studies.tuning.space import Space, Value, load_space
-from agent_proc.task.file import load_task
+from legpush.arguments import words
 from legpush.errors import ConfigError
 from legpush.fields import parse_seeds
 from legpush.files import make_folder, write_whole
 from legpush.options.checks import require_writable_folder
+from legpush.options.learning import TrainOptions
 from legpush.options.learning_tools import TuneOptions, dated
 from legpush.output.reply import document
 from legpush.plugins import why_not_loaded
 from legpush.scenarios.changes import parse_changes
-from legpush.scenarios.file import load_scenario
 from legpush.scene.scenario import Goal
 from legpush.service import run_command, stop_on_signals
 from legpush.study.carry_out import Orders
@@ -64,7 +66,7 @@ def tune(options: TuneOptions, console: Console) -> int:
     require_writable_folder(folder, "--out")
     profile = _searched(options)
     space = load_space(options.space, profile)
-    goal = _goal(options, profile)
+    goal = plan_of(_training(options)).task.scenario.goal
     _begin(folder, options, space)
     trials = Trials(
         folder,
@@ -75,12 +77,12 @@ def tune(options: TuneOptions, console: Console) -> int:
         pruner=options.pruner,
         sampler=options.sampler,
     )
-    words = [*sys.argv[1:], *([] if options.out else ["--out", str(folder)])]
+    again = [*sys.argv[1:], *([] if options.out else ["--out", str(folder)])]
     with staying(LocalEngine(options.n_workers)) as engine:
         orders = Orders(
             engine=lambda _: engine,
             stop=stop_on_signals(),
-            again=shlex.join(["legpush", "tune", *words]),
+            again=shlex.join(["legpush", "tune", *again]),
             retry_failed=True,
         )
 
@@ -98,12 +100,6 @@ def _searched(options: TuneOptions) -> AnyProfile:
     profile = load_profile(options.profile)
     task = _path_or_name(options.task or profile.task)
     return msgspec.structs.replace(profile, task=task, steps=options.steps or profile.steps, tuned_on=None)
-
-
-def _goal(options: TuneOptions, profile: AnyProfile) -> Goal:
-    """The goal with the tolerances of the loss."""
-    scenario = None if options.scenario is None else load_scenario(options.scenario)
-    return load_task(profile.task, scenario).scenario.goal
 
 
 def _begin(folder: Path, options: TuneOptions, space: Space) -> None:
@@ -210,15 +206,22 @@ def _report(
     written = (profile, write_trials(folder, space, ends), save_picture(folder, space, ends))
     console.print(Text(f"wrote {', '.join(map(str, written))}"), soft_wrap=True)
     document({"folder": folder, "profile": profile, "best": best, "trials": ends})
-    command = ["legpush", "train", "--profile", str(profile), "--seeds", "1-5", *_same_problem(options)]
-    console.print(Text(shlex.join(command)), soft_wrap=True)
+    command = replace(_training(options), profile=str(profile), task=None, steps=None, seeds="1-5")
+    console.print(Text(shlex.join(["legpush", "train", *words(command)])), soft_wrap=True)
 
 
-def _same_problem(options: TuneOptions) -> list[str]:
-    """The flags of `legpush train` that a profile does not have, as they were given here."""
-    words: list[str] = []
-    for name in ("entry", "scenario", "mass_kg", "friction", "distance_m", "world", "simulators"):
-        value = getattr(options, name)
-        if value is not None:
-            words += [f"--{name.replace('_', '-')}", *map(str, value if isinstance(value, tuple) else (value,))]
-    return [*words, *(word for change in options.changes for word in ("--set", change))]
+def _training(options: TuneOptions) -> TrainOptions:
+    """A training of the tuning."""
+    return TrainOptions(
+        profile=options.profile,
+        task=options.task,
+        entry=options.entry,
+        scenario=options.scenario,
+        changes=options.changes,
+        steps=options.steps,
+        mass_kg=options.mass_kg,
+        friction=options.friction,
+        distance_m=options.distance_m,
+        world=options.world,
+        simulators=options.simulators,
+    )

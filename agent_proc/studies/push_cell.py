@@ -25,6 +25,7 @@ from agent_proc.studies.cell_parts import (
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.drawn import scenario_of_start
 from agent_proc.task.file import DEFAULT_TASK, load_task
+from agent_proc.task.worlds import require_known
 from legpush.errors import ConfigError
 from legpush.fields import Seed
 from legpush.history.steps import PlanRecord, StepRecord
@@ -97,7 +98,12 @@ def resolve(cell: PushCell, allowed: Collection[str]) -> ResolvedPush:
         ConfigError: There is no such world.
     """
     require_simulator(cell.world)
-    scenario = drawn_start(scenario_of(cell.scenario, cell.changes), cell.domain, cell.seed)
+
+    def in_scenario(name: str) -> Scenario:
+        return drawn_start(scenario_of(name, cell.changes), cell.domain, cell.seed)
+
+    scenario = in_scenario(cell.scenario)
+    require_known(cell.world, lambda name: [scenario if name is None else in_scenario(name)], "world", "scenario")
     is_rival = cell.policy in RIVALS
     if cell.action and cell.policy != "constant":
         raise ConfigError(f"Expected an action with the policy `constant` alone, got one with {cell.policy}")

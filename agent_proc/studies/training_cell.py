@@ -2,18 +2,17 @@
 
 from collections.abc import Collection, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import Any, Final
 
 import msgspec
-from msgspec import Meta, Struct
+from msgspec import Struct
 from msgspec.structs import replace
 
-from agent_proc.evaluation.starts import FIRST_FINAL_SEED
 from agent_proc.learning.loggers.registry import require_tools
 from agent_proc.learning.training import BEST, LAST
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.folder import read_policy
-from agent_proc.profiles.profile import AnyProfile, AtLeastTwo, Widths, load_profile, read_profile
+from agent_proc.profiles.profile import AnyProfile, load_profile, read_profile
 from agent_proc.studies.cell_parts import (
     new_simulator,
     require_policy,
@@ -22,13 +21,13 @@ from agent_proc.studies.cell_parts import (
 )
 from agent_proc.studies.final_evaluation import FINAL_COLUMNS, final_columns
 from agent_proc.studies.training_run import of_last, pack, train_in
+from agent_proc.studies.training_settings import TrainingCell, command_of_cell
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.domain import Interval
 from agent_proc.task.file import load_task
 from agent_proc.task.rooms import refuse_missions
+from agent_proc.task.worlds import of_training, require_known
 from legpush.fields import Seed, require_seeds
 from legpush.lockstep.local import LocalWorld
-from legpush.options.learning import DEFAULT_WORLD
 from legpush.runs.temporary import temporary_folder
 from legpush.scenarios.changes import override
 from legpush.scenarios.file import load_scenario
@@ -59,73 +58,8 @@ COLUMNS: Final = (
 )
 
 
-class TrainingCell(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A training as a study file sets it."""
-
-    seed: Seed = 0
-    """Seed of initial weights, exploration and initial conditions."""
-    profile: str = "tuned"
-    """A training profile, or the path of a profile file."""
-    task: str | None = None
-    """Replaces the profile's task: a built-in one, or the path of a task file."""
-    observation: str | None = None
-    """Task whose observation replaces that of the task, with whether it is mirrored."""
-    reward: str | None = None
-    """Task whose reward replaces that of the task."""
-    ending: str | None = None
-    """Task whose rules end the episodes, in place of those of the task."""
-    starts: str | None = None
-    """Task whose domain, with the offsets of its starts, replaces that of the task."""
-    entry: Literal["fixed", "variable"] | None = None
-    """Replaces the task's depth of the pushes: the same for all, or chosen by the policy."""
-    actions: Literal["continuous", "discrete"] | None = None
-    """Replaces the task's form of the action."""
-    steps: Annotated[int, Meta(ge=1)] | None = None
-    """Replaces the profile's number of push cycles."""
-    hidden: Widths | None = None
-    """Replaces the widths of the profile's networks."""
-    normalize_observation: bool | None = None
-    """Replaces whether the profile normalizes observations by running mean and variance."""
-    n_steps: AtLeastTwo | None = None
-    """Replaces the profile's steps between two updates; PPO only."""
-    batch_size: AtLeastTwo | None = None
-    """Replaces the profile's size of a batch."""
-    final_episodes: Annotated[int, Meta(ge=0, le=10_000)] = 0
-    """Starts of a further evaluation of the last policy, which neither a training nor its other evaluations see."""
-    final_first_seed: Seed = FIRST_FINAL_SEED
-    """Seed of the first of these starts."""
-    final_ending: str | None = None
-    """Task whose rules end the episodes of that evaluation, in place of those that the policy was trained with."""
-    final_starts: str | None = None
-    """Task from whose domain that evaluation draws its starts, in place of that of the training."""
-    final_scenario: str | None = None
-    """Scenario of that evaluation, in place of the one that the policy was trained in."""
-    final_world: str | None = None
-    """Simulator of that evaluation, in place of the one that the policy was trained in."""
-    n_simulators: Annotated[int, Meta(ge=1, le=64)] = 1
-    """Simulators to learn with, all in the process of the cell; the result depends on their number."""
-    mass_kg: Interval | None = None
-    """Draw the mass of the box for each episode."""
-    friction: Interval | None = None
-    """Draw the friction of the box for each episode."""
-    distance_m: Interval | None = None
-    """Draw the distance from box to goal for each episode."""
-    world: str = DEFAULT_WORLD
-    """The simulator: a plug-in, such as `mujoco`, `map` or `map_mean`."""
-    init: str | None = None
-    """Policy to begin with instead of random weights."""
-    loggers: tuple[str, ...] = ()
-    """Where its numbers are logged, in its folder: `tensorboard`, `csv`, `wandb`."""
-    callbacks: tuple[str, ...] = ()
-    """Callbacks of other packages, by name."""
-    film_every: Annotated[int, Meta(ge=1)] | None = None
-    """Keep an episode for a film of every N-th evaluation, in its folder."""
-    film_last: bool = False
-    """The same of the last evaluation."""
-    scenario: str | None = None
-    """Replaces the task's scenario, which has the robot ready to push, and the goal."""
-    changes: dict[str, Any] = {}
-    """Other fields of the scenario, by their path."""
+FLAGS: Final = ("world", "scenario")
+FINAL_FLAGS: Final = ("final_world", "final_scenario")
 
 
 class ResolvedTraining(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -147,6 +81,8 @@ class ResolvedTraining(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     callbacks: tuple[str, ...]
     film_every: int | None
     film_last: bool
+    command: str
+    """Makes the policy again."""
 
 
 def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
@@ -164,17 +100,30 @@ def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
     require_tools(cell.loggers, cell.callbacks, allowed)
     profile = _profile(cell)
     name = cell.task or profile.task
-    scenario = load_task(name).scenario if cell.scenario is None else load_scenario(cell.scenario)
-    scenario = override(scenario, cell.changes, "the scenario with the changes of the study")
-    task = _task(cell, name, scenario)
+
+    def in_scenario(scenario: str | None) -> TaskConfig:
+        loaded = load_task(name).scenario if scenario is None else load_scenario(scenario)
+        return _task(cell, name, override(loaded, cell.changes, "the scenario with the changes of the study"))
+
+    task = in_scenario(cell.scenario)
     refuse_missions(task.random_room)
+    require_known(cell.world, lambda named: of_training(task if named is None else in_scenario(named)), *FLAGS)
+    final_task = _final_task(cell, task)
+
+    def final(scenario: str) -> TaskConfig:
+        return _final_task(replace(cell, final_scenario=scenario), task)
+
+    if cell.final_episodes:
+        require_known(
+            final_world, lambda named: of_training(final_task if named is None else final(named)), *FINAL_FLAGS
+        )
     return ResolvedTraining(
         seed=cell.seed,
         profile=msgspec.to_builtins(profile),
         task=task,
         final_episodes=cell.final_episodes,
         final_first_seed=cell.final_first_seed,
-        final_task=_final_task(cell, task),
+        final_task=final_task,
         final_world=final_world,
         n_simulators=cell.n_simulators,
         world=cell.world,
@@ -184,6 +133,7 @@ def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
         callbacks=cell.callbacks,
         film_every=cell.film_every,
         film_last=cell.film_last,
+        command=command_of_cell(cell),
     )
 
 
@@ -248,7 +198,7 @@ def run_in(cell: ResolvedTraining, folder: Path) -> Mapping[str, Any]:
     if cell.init is not None:
         require_policy(cell.init, cell.init_sha256)
     worlds = [LocalWorld(new_simulator(cell.world)) for _ in range(cell.n_simulators)]
-    best = train_in(folder, _plan(cell), worlds)
+    best = train_in(folder, plan_of_cell(cell), worlds)
     packed, last = pack(folder / BEST), read_policy(folder / LAST)
     if cell.final_world != cell.world:
         worlds = [LocalWorld(new_simulator(cell.final_world)) for _ in range(cell.n_simulators)]
@@ -266,13 +216,14 @@ def run_in(cell: ResolvedTraining, folder: Path) -> Mapping[str, Any]:
     }
 
 
-def _plan(cell: ResolvedTraining) -> TrainingPlan:
+def plan_of_cell(cell: ResolvedTraining) -> TrainingPlan:
+    """The plan of the training."""
     return TrainingPlan(
         profile=read_profile(cell.profile, "profile"),
         task=cell.task,
         seed=cell.seed,
         n_simulators=cell.n_simulators,
-        command="legpush study run",
+        command=cell.command,
         versions={name: version for name, version in installed_versions().items() if version is not None},
         world=cell.world,
         init=cell.init,

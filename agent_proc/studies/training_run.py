@@ -13,7 +13,7 @@ from agent_proc.learning.plan_file import CONFIG_FILE, PROGRESS_FILE, read_plan,
 from agent_proc.learning.training import Training
 from agent_proc.learning.training_plan import Progress, TrainingPlan
 from agent_proc.learning.vec_env import PushVecEnv
-from agent_proc.policies.folder import Card, Check
+from agent_proc.policies.card import Card, Check
 from legpush.errors import ConfigError
 from legpush.files import write_whole
 from legpush.lockstep.world import SteppingWorld

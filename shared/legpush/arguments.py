@@ -1,7 +1,7 @@
-"""Parses command lines into typed options, and says how `--help` shows each argument."""
+"""Parses command lines into typed options and back, and says how `--help` shows each argument."""
 
 import types
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
 from functools import cache, partial
 from typing import Annotated, Any, Final, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -144,3 +144,50 @@ def parse(kind: Any, prog: str, argv: Sequence[str] | None = None, **more: Any) 
     the command as the user types it. `more` goes to `tyro.cli`.
     """
     return tyro.cli(kind, prog=prog, args=argv, config=_CONFIG, registry=_REGISTRY, **more)
+
+
+def words(options: Any) -> list[str]:
+    """Return the words of the command line that `parse` makes these options of; values by default are left out."""
+    return [*_words(options, positional=True), *_words(options, positional=False)]
+
+
+def _words(options: Any, *, positional: bool) -> Iterator[str]:
+    """Yield the words of the arguments with a flag, or of those without."""
+    kinds = get_type_hints(type(options), include_extras=True)
+    for field in fields(options):
+        if not field.init:
+            continue
+        value, marks = getattr(options, field.name), _marks(kinds[field.name])
+        if is_dataclass(value):
+            yield from _words(value, positional=positional)
+        elif (tyro.conf.Positional in marks) == positional and value != _default(field, None):
+            yield from _given(flag_of(field.name, marks), value, marks)
+
+
+def _given(flag: str, value: Any, marks: tuple[Any, ...]) -> Iterator[str]:
+    if isinstance(value, bool):
+        yield flag if value else f"--no-{flag.removeprefix('--')}"
+    elif tyro.conf.Positional in marks:
+        yield from map(str, value if isinstance(value, tuple) else (value,))
+    elif tyro.conf.UseAppendAction in marks:
+        yield from (word for each in value for word in _with_value(flag, str(each)))
+    elif isinstance(value, tuple):
+        yield from (flag, *map(str, value))
+    else:
+        yield from _with_value(flag, str(value))
+
+
+def _with_value(flag: str, value: str) -> tuple[str, ...]:
+    """Return a flag with its value, which is no flag even if it begins like one."""
+    return (f"{flag}={value}",) if value.startswith("-") else (flag, value)
+
+
+def flag_of(name: str, marks: tuple[Any, ...]) -> str:
+    """Return the flag of a field, which has another name if one is among the marks of its type."""
+    named = next((each.name for each in marks if getattr(each, "name", None)), None)
+    return f"--{(named or name).replace('_', '-')}"
+
+
+def _marks(kind: Any) -> tuple[Any, ...]:
+    """Return what a type is annotated with."""
+    return getattr(kind, "__metadata__", ())

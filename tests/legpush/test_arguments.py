@@ -4,8 +4,10 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, Repeated, Switch, arg, parse
+from legpush.arguments import USUAL_OUTPUT, Flag, OutputOptions, Positional, Repeated, Switch, arg, parse, words
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,6 +20,10 @@ class Bake:
     """The glaze."""
     changes: Annotated[Repeated[str], arg("FIELD=VALUE", name="set")] = ()
     """Changes."""
+    sizes_m: Annotated[tuple[float, float] | None, arg("LOW HIGH")] = None
+    """Sizes."""
+    tools: Annotated[tuple[str, ...], arg("NAME ...")] = ("spoon",)
+    """Tools."""
     fast: Flag = False
     """Hurry. A cake that is baked in a hurry is a cake that is not done in the middle, and one that nobody wants to eat
     warm.
@@ -39,6 +45,26 @@ def test_what_is_given_is_parsed_in_any_order() -> None:
         light=False,
         output=OutputOptions(json=True, quiet=True),
     )
+
+
+WORDS = st.text(min_size=1).filter(lambda word: not word.startswith("-"))
+
+
+@given(
+    st.builds(
+        Bake,
+        cake=WORDS,
+        glaze=st.sampled_from((None, "sugar", "cocoa")),
+        changes=st.lists(st.text(min_size=1), max_size=3).map(tuple),
+        sizes_m=st.none() | st.tuples(*2 * [st.floats(0.0, allow_infinity=False)]),
+        tools=st.lists(WORDS, max_size=3).map(tuple),
+        fast=st.booleans(),
+        light=st.booleans(),
+        output=st.builds(OutputOptions, json=st.booleans(), quiet=st.booleans()),
+    )
+)
+def test_options_are_written_as_the_words_that_they_are_parsed_from(options: Bake) -> None:
+    assert parse(Bake, "bake", words(options)) == options
 
 
 def test_help_shows_choices_and_defaults_that_say_something(capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,7 +10,8 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from agent_proc.policies.folder import CARD_FILE, WEIGHTS_FILE, policy_path
+from agent_proc.policies.card import CARD_FILE
+from agent_proc.policies.folder import WEIGHTS_FILE, policy_path
 from agent_proc.policies.folder_files import MAX_BYTES
 from agent_proc.policies.learned import load_learned
 from agent_proc.policies.registry import make_policy, policy_from_data

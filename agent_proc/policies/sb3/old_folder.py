@@ -11,7 +11,8 @@ from msgspec import Struct
 from stable_baselines3.common.save_util import load_from_zip_file
 
 from agent_proc.policies.actor import Normalizer
-from agent_proc.policies.folder import CARD_FILE, OLD_FORMAT, PolicyFolder, parse_card, widths
+from agent_proc.policies.card import CARD_FILE
+from agent_proc.policies.folder import OLD_FORMAT, PolicyFolder, parse_card, widths
 from agent_proc.policies.folder_files import decode_file, read_file, require_small_zip
 from agent_proc.policies.sb3.layers import actor_layers
 from agent_proc.policies.weights_file import decode_weights, encode_weights

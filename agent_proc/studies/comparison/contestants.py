@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Final, Literal
 
 from agent_proc.learning.plan_file import CONFIG_FILE
+from agent_proc.policies.card import CARD_FILE, Card
 from agent_proc.policies.digest import policy_sha256
-from agent_proc.policies.folder import CARD_FILE, Card, read_card
+from agent_proc.policies.folder import read_card
 from agent_proc.rivals.registry import DUMBEST, RIVALS
 from agent_proc.studies.seed_trainings import has_seeds, seed_folders
 from legpush.errors import ConfigError

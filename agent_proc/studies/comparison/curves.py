@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from agent_proc.figures import Axes, Figure, own_style, plain_log_ticks, save_figure
-from agent_proc.policies.folder import CurvePoint
+from agent_proc.policies.card import CurvePoint
 from agent_proc.statistics.estimate import CUT, Estimate
 from agent_proc.statistics.intervals import STUDENT_T, mean, mean_curve
 from legpush.arrays import Floats

@@ -1,8 +1,9 @@
 """A simulator as a function: the seam at which another simulator is plugged in."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from legpush.messages.stepping import Motion, Outcome
+from legpush.scene.scenario import Scenario
 
 
 class Stepper(Protocol):
@@ -13,4 +14,16 @@ class Stepper(Protocol):
 
         Raises:
             MotionError: The motion cannot be carried out; the state is as it was.
+        """
+
+
+@runtime_checkable
+class LimitedStepper(Stepper, Protocol):
+    """A simulator that does not know every scenario; commands ask it before they write anything."""
+
+    def require_described(self, scenario: Scenario) -> None:
+        """Require a scenario that it knows.
+
+        Raises:
+            ScenarioError: It is another one; says what it knows.
         """

@@ -12,7 +12,7 @@ from legpush.errors import ConfigError
 from legpush.fields import Seed, parse_seeds, require, require_seeds
 from legpush.options.checks import require_picture_ending
 from legpush.options.learning import DEFAULT_WORLD, default_simulators
-from legpush.options.scenarios import Changes, ScenarioName
+from legpush.options.scenarios import Changes
 
 FIRST_TUNING_SEED: Final = 3_000_000
 """First of the starts by which settings are chosen."""
@@ -53,8 +53,9 @@ class CompareOptions:
     """Number of starts, for each swept value."""
     seed: Annotated[int, arg("N")] = FIRST_HELD_OUT_SEED
     """Seed of the first start; each later one has the next seed."""
-    scenario: ScenarioName = SCENARIO
-    """Scenario with the robot ready to push, and the goal with its tolerances."""
+    scenario: Annotated[str | None, arg("NAME|FILE")] = None
+    """Scenario with the robot ready to push, and the goal with its tolerances; `push`, or that of --task, if not given.
+    """
     changes: Changes = ()
     """Change a field of the scenario, such as room.slope_deg=3; may be given several times."""
     task: Annotated[str | None, arg("NAME|FILE")] = None
@@ -80,8 +81,8 @@ class CompareOptions:
     def __post_init__(self) -> None:
         if not self.runs:
             raise ConfigError("Expected at least one RUN: a training, a policy folder, or the name of a policy")
-        if self.task is not None and (self.domain is not None or self.scenario != SCENARIO):
-            raise ConfigError("Expected neither --scenario nor --domain with --task, which has both")
+        if self.task is not None and self.domain is not None:
+            raise ConfigError("Expected either --task, which has a domain, or --domain, got both")
         require(Amount, self.episodes, "--episodes")
         require(Amount, self.workers, "--workers")
         require_seeds(self.seed, self.episodes, "--seed")

@@ -1,5 +1,6 @@
 """Changes of a scenario: other values of its fields, from a mapping or from texts such as `box.mass_kg=0.9`."""
 
+import json
 import tomllib
 from collections.abc import Iterable, Mapping
 from functools import reduce
@@ -33,6 +34,20 @@ def parse_changes(texts: Iterable[str], flag: str = "--set") -> dict[str, Any]:
             raise ConfigError(f"Expected each field once for {flag}, got {field} twice")
         changes[field] = parse_value(value)
     return changes
+
+
+def change_texts(changes: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the texts of which `parse_changes` makes these changes."""
+    return tuple(f"{path}={_as_toml(value)}" for path, value in changes.items())
+
+
+def _as_toml(value: Any) -> str:
+    """Return a value as TOML on one line."""
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{_as_toml(name)} = {_as_toml(each)}" for name, each in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_as_toml, value))}]"
+    return json.dumps(value, ensure_ascii=False)
 
 
 def parse_value(text: str) -> Any:

@@ -11,7 +11,8 @@ from agent_proc.learning.best_policy import build_policy, check_policy, is_bette
 from agent_proc.learning.learner import make_learner
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.learning.vec_env import PushVecEnv
-from agent_proc.policies.folder import Check, CurvePoint, PolicyFolder, read_policy, write_policy
+from agent_proc.policies.card import Check, CurvePoint
+from agent_proc.policies.folder import PolicyFolder, read_policy, write_policy
 from agent_proc.policies.learned import LearnedPolicy
 from agent_proc.policies.reach import Reach
 from agent_proc.policies.weights_file import encode_weights

@@ -11,7 +11,7 @@ import pytest
 from agent_proc.learning.checkpoint import FORMAT, MAGIC, Checkpoint, CheckpointError, load_checkpoint, save_checkpoint
 from agent_proc.learning.learner_state import capture
 from agent_proc.learning.vec_env import PushVecEnv
-from agent_proc.policies.folder import Check, CurvePoint
+from agent_proc.policies.card import Check, CurvePoint
 from agent_proc.policies.reach import Visits
 from tests.agent.fake_world import FakeWorld, scenario_at_station
 from tests.agent.learning.small_training import learned, small_profile

@@ -7,8 +7,9 @@ import msgspec
 import pytest
 
 from agent_proc.mission.facts import attach_facts
+from agent_proc.policies.card import CARD_FILE
 from agent_proc.policies.digest import policy_sha256
-from agent_proc.policies.folder import CARD_FILE, WEIGHTS_FILE
+from agent_proc.policies.folder import WEIGHTS_FILE
 from legpush.recording.facts import MissionFacts
 from legpush.scenarios.file import load_scenario
 from tests.agent.fake_world import make_scenario

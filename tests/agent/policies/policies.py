@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from agent_proc.policies.actor import Layer
-from agent_proc.policies.folder import Card, Check, CurvePoint
+from agent_proc.policies.card import Card, Check, CurvePoint
 from agent_proc.policies.reach import Reach
 from agent_proc.profiles.profile import load_profile
 from tests.agent.fake_world import scenario_at_station
@@ -23,6 +23,8 @@ CARD = Card(
     check=CHECK,
     curve=(CurvePoint(step=3, episode_return=-1.5, length=3, success=False, position_error_m=0.4, angle_error_deg=9),),
     reach=Reach(beside_m=3.0, turned_deg=180.0),
+    world="map",
+    init="variable",
 )
 
 

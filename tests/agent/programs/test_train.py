@@ -60,7 +60,10 @@ def test_a_training_leaves_its_plan_and_its_policies(options: TrainOptions) -> N
     assert lines[0].startswith("learning ")
     assert lines[-1].startswith("best policy, success ")
     assert lines[-1].endswith(f": {folder / 'best'}")
-    assert read_policy(folder / "last").card.task == plan.task
+    card = read_policy(folder / "last").card
+    assert (card.task, card.world, card.init, card.command) == (plan.task, "mujoco", None, plan.command)
+    command = f"legpush train --simulators 2 --profile {options.profile} --entry fixed --seed 4 --steps 96"
+    assert plan.command == f"{command} --mass-kg 0.1 0.9"
 
 
 @pytest.mark.usefixtures("stop")

@@ -57,7 +57,10 @@ def test_the_best_settings_are_a_profile_and_what_they_were_chosen_on_is_refused
     console = Console(file=io.StringIO(), width=400)
     assert tune(options, console) == 0
     text = console.file.getvalue()  # type: ignore[attr-defined]
-    assert f"--profile {folder / 'best.toml'} --seeds 1-5 --distance-m 0.1 0.2 --world map --simulators 2" in text
+    best_profile = folder / "best.toml"
+    assert (
+        f"legpush train --world map --simulators 2 --profile {best_profile} --seeds 1-5 --distance-m 0.1 0.2\n" in text
+    )
     rows = list(csv.DictReader(io.StringIO((folder / "trials.csv").read_text())))
     assert [row["trial"] for row in rows] == ["0", "1"]
     assert (folder / "tuning.png").read_bytes().startswith(b"\x89PNG")

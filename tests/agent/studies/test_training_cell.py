@@ -9,8 +9,9 @@ from msgspec.structs import replace
 from safetensors.numpy import load
 
 from agent_proc.policies.folder import policy_path, read_card, read_policy
-from agent_proc.studies.training_cell import TRAINING, TrainingCell, resolve, run
+from agent_proc.studies.training_cell import TRAINING, resolve, run
 from agent_proc.studies.training_run import of_last, pack
+from agent_proc.studies.training_settings import TrainingCell
 from agent_proc.task.file import load_task
 from legpush.errors import ConfigError, PolicyError
 from legpush.scenarios.file import load_scenario

@@ -3,9 +3,11 @@
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from legpush.errors import ConfigError, ScenarioError
-from legpush.scenarios.changes import override, parse_changes
+from legpush.scenarios.changes import change_texts, override, parse_changes
 from legpush.scenarios.file import load_scenario
 from legpush.scene.station import at_station
 
@@ -67,3 +69,16 @@ def test_a_robot_at_its_station_stays_there_if_the_box_has_another_size() -> Non
 def test_a_change_that_makes_no_scenario_is_refused(changes: dict[str, Any], words: str) -> None:
     with pytest.raises(ScenarioError, match=words):
         override(load_scenario("push"), changes, "--set")
+
+
+TEXTS = st.text(st.characters(exclude_categories=("Cs", "Cc")))
+VALUES = st.recursive(
+    st.booleans() | st.integers(-(2**53), 2**53) | st.floats(allow_nan=False, allow_infinity=False) | TEXTS,
+    lambda values: st.lists(values, max_size=3) | st.dictionaries(TEXTS, values, max_size=3),
+    max_leaves=6,
+)
+
+
+@given(st.dictionaries(st.from_regex(r"[a-z_]{1,6}(\.[a-z_]{1,6}){0,2}", fullmatch=True), VALUES, max_size=3))
+def test_changes_are_written_as_the_texts_that_they_are_read_from(changes: dict[str, Any]) -> None:
+    assert parse_changes(change_texts(changes)) == changes

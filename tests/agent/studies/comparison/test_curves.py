@@ -5,7 +5,7 @@ import pytest
 from msgspec.structs import replace
 
 from agent_proc.figures import Figure
-from agent_proc.policies.folder import CurvePoint
+from agent_proc.policies.card import CurvePoint
 from agent_proc.studies.comparison import curves as drawn
 from agent_proc.studies.comparison.curves import MEASURES, N_POINTS, POSSIBLE, TITLES, WINDOW, make_curve, save_curves
 from legpush.errors import ConfigError

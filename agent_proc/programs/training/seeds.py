@@ -111,6 +111,7 @@ def _train(source: str, options: TrainOptions, folder: Path, console: Console) -
         shown=partial(shown, console, partial(progress_text, folder, seeds)),
         folder_of=lambda task: seed_folder(folder, task.inputs["seed"]),
     )
+    study.task(0)
     make_folder(folder, private=options.out is None)
     tally = carry_out(study, folder / STUDY, orders)
     if stop.is_set():

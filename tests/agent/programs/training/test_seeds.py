@@ -12,8 +12,8 @@ from rich.console import Console
 from agent_proc.policies.folder import WEIGHTS_FILE
 from agent_proc.profiles.profile import dump_profile
 from agent_proc.programs import train as train_program
-from agent_proc.programs import train_seeds
 from agent_proc.programs.train import train
+from agent_proc.programs.training import seeds
 from agent_proc.simulators import simulators
 from agent_proc.studies.seed_trainings import SUMMARY_FILE, seed_folder
 from legpush.errors import INTERRUPTED, ConfigError
@@ -25,7 +25,7 @@ from tests.agent.learning.small_training import small_profile
 @pytest.fixture
 def options(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> TrainOptions:
     """Trainings of 32 steps in the map, in this process."""
-    monkeypatch.setattr(train_seeds, "LocalEngine", lambda _: InlineEngine())
+    monkeypatch.setattr(seeds, "LocalEngine", lambda _: InlineEngine())
     profile = tmp_path / "small.toml"
     profile.write_text(
         dump_profile(small_profile(steps=32, evaluate_every=32, evaluation_episodes=1)), encoding="utf-8"
@@ -41,7 +41,7 @@ def said(options: TrainOptions) -> tuple[int, str]:
 def test_each_seed_learns_what_it_learns_alone(
     options: TrainOptions, tmp_path: Path, stop: threading.Event, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(train_seeds, "stop_on_signals", lambda: stop)
+    monkeypatch.setattr(seeds, "stop_on_signals", lambda: stop)
     monkeypatch.setattr(train_program, "simulators", simulators)
     assert options.out is not None
     stop.set()

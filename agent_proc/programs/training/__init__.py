@@ -1,0 +1,1 @@
+"""What `legpush train` plans, shows, and does with several seeds."""
