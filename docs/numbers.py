@@ -29,6 +29,8 @@ UNITS: Final = {
     "x": (1.0, ""),
 }
 """Factor and text of each unit; `ms` is of values in milliseconds."""
+NO_VALUE: Final = "-"
+"""Shown where nothing could be measured: the value is null."""
 WIDTH: Final = 120
 IF_MEASURED: Final = "? "
 """Begins a line that is left out without its numbers."""
@@ -128,6 +130,8 @@ def _found_value(found: re.Match[str]) -> Any:
 
 def _value(found: re.Match[str]) -> str:
     value = _found_value(found)
+    if value is None:
+        return NO_VALUE
     if found["unit"] is None:
         if isinstance(value, dict | list | float):
             raise NumberError(f"{found[0]}: expected a form such as |cm.2 for {value!r}")

@@ -126,7 +126,10 @@ def pushes(seed: int, mass_kg: float, n: int = 4, robot: RobotSpec | None = None
 
 
 def summary(runs: Sequence[Done]) -> dict[str, Any]:
-    """Return the numbers of several runs: extremes over all of them, and means of ways and errors."""
+    """Return the numbers of several runs: extremes over all of them, and means of ways and errors.
+
+    What nothing was measured of is None, such as touchdowns if every run fell before its first footstep.
+    """
     measures = merged(run.measures for run in runs if run.measures is not None)
     if measures is None:
         raise ValueError("Expected motions, got none")
@@ -134,6 +137,7 @@ def summary(runs: Sequence[Done]) -> dict[str, Any]:
     by_kind = np.array(measures.max_torques_n_m).reshape(4, 3)
     shares = torque_quantiles(measures, TORQUE_SHARE)
     landings = np.array(measures.landing_speeds_m_s)
+    n_footsteps = measures.n_footsteps or None
     return {
         "n": len(runs),
         "n_falls": sum(run.fell for run in runs),
@@ -146,11 +150,11 @@ def summary(runs: Sequence[Done]) -> dict[str, Any]:
         "max_speeds_rad_s": [
             _round(value, 2) for value in np.array(measures.max_speeds_rad_s).reshape(4, 3).max(axis=0)
         ],
-        "touchdowns_per_footstep": _round(measures.n_touchdowns / measures.n_footsteps),
-        "loadings_per_footstep": _round(measures.n_loadings / measures.n_footsteps),
+        "touchdowns_per_footstep": n_footsteps and _round(measures.n_touchdowns / n_footsteps),
+        "loadings_per_footstep": n_footsteps and _round(measures.n_loadings / n_footsteps),
         "n_landings": len(landings),
-        "landing_speed_99_m_s": _round(np.percentile(landings, LANDING_PERCENT)),
-        "landing_speed_max_m_s": _round(landings.max()),
+        "landing_speed_99_m_s": _round(np.percentile(landings, LANDING_PERCENT)) if landings.size else None,
+        "landing_speed_max_m_s": _round(landings.max()) if landings.size else None,
         "penetration_m": _round(measures.max_penetration_m, 5),
         "n_steps": measures.n_steps,
         "n_outside_support": measures.n_outside_support,

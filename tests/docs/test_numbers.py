@@ -13,6 +13,7 @@ NUMBERS |= {
     "worst_m": 0.02,
     "alone": {"value": 2.0},
     "below_zero": -1e-5,
+    "nothing": None,
 }
 
 
@@ -72,6 +73,7 @@ def test_no_table_of_the_measurements_is_written_by_hand() -> None:
         ("{walks:worst_m|percent.0}", "2 %"),
         ("{walks:alone|x.1}", "2.0"),
         ("{walks:below_zero|x.2}", "0.00"),
+        ("{walks:nothing|x.2}", "-"),
     ],
 )
 def test_a_place_shows_its_number(walks: Path, place: str, text: str) -> None:
