@@ -5,6 +5,7 @@ training seeds have their 95 % intervals.
 """
 
 from collections.abc import Mapping, Sequence
+from math import fsum
 from typing import Final
 
 import numpy as np
@@ -91,9 +92,11 @@ def _numbers(rows: Sequence[Row]) -> Row:
 
 
 def moving_average(values: Sequence[float]) -> Floats:
-    """Return the means of the last `WINDOW` values, from the first full window on, (n - WINDOW + 1,)."""
-    means: Floats = np.convolve(np.array(values), np.full(WINDOW, 1 / WINDOW), mode="valid")
-    return means
+    """Return the means of the last `WINDOW` values, from the first full window on, (n - WINDOW + 1,).
+
+    The sums are exact, so that a table has the same digits on every processor.
+    """
+    return np.array([fsum(values[end - WINDOW : end]) / WINDOW for end in range(WINDOW, len(values) + 1)])
 
 
 def _speed_rows(by_variant: Variants) -> list[Row]:
