@@ -8,6 +8,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from agent_proc.frames.push_view import NOTHING_FELT, PushView, push_view, pushed_state
@@ -16,14 +17,16 @@ from agent_proc.learning.rendering import FRAME_SIZE, Rendering, RenderMode
 from agent_proc.policies.sb3.spaces import action_space, observation_space
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.task.action import to_push
-from agent_proc.task.config import TaskConfig
+from agent_proc.task.config import Steps, TaskConfig
 from agent_proc.task.drawn import drawn_scenario
 from agent_proc.task.episode import earned, episode_ending
 from agent_proc.task.observed import observe
+from agent_proc.task.reset_options import read_options
 from agent_proc.task.rooms import refuse_missions
 from agent_proc.task.term import EpisodeEnding, PushStep
 from agent_proc.walking.around_box import can_push, walk_to_face
 from legpush.errors import ConfigError, DivergedError, MotionError
+from legpush.fields import require
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
 from legpush.messages.poses import as_seen, planar_pose
@@ -83,16 +86,16 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         For this episode, the option `scenario_seed` replaces the drawn seed, and `scenario` the drawn scenario.
 
         Raises:
-            ConfigError: There are other options, or another environment steps the simulator since `close`.
+            ConfigError: An option is unknown or cannot be used, or another environment steps the simulator since
+                `close`.
+            ScenarioError: The option `scenario` names one that cannot be used.
         """
+        given = read_options(options)
         super().reset(seed=seed)
         drawn_seed = int(self.np_random.integers(2**32))
-        scenario = drawn_scenario(self.task.domain, self.task.scenario, self.np_random)
-        options = options or {}
-        if not options.keys() <= {"scenario", "scenario_seed"}:
-            raise ConfigError(f"Expected the options `scenario` and `scenario_seed`, got {', '.join(options)}")
-        scenario = options.get("scenario", scenario)
-        scenario_seed = options.get("scenario_seed", drawn_seed)
+        drawn = drawn_scenario(self.task.domain, self.task.scenario, self.np_random)
+        scenario = drawn if given.scenario is None else given.scenario
+        scenario_seed = drawn_seed if given.scenario_seed is None else given.scenario_seed
         episode = self._episode = self._begin(Reset(scenario=scenario, seed=scenario_seed))
         return observe(self.task, episode.seen), {"scenario_seed": scenario_seed, **_errors(episode.view)}
 
@@ -140,6 +143,20 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             ConfigError: There was no reset, or nothing can be drawn here; says why.
         """
         return None if self._rendering is None else self._rendering.picture()
+
+    @property
+    def max_steps(self) -> int:
+        """Push cycles after which an episode is truncated; Gymnasium's `max_episode_steps` sets it.
+
+        Raises:
+            ConfigError: It is set to a number below 1 or above 10 000.
+        """
+        return self.task.max_steps
+
+    @max_steps.setter
+    def max_steps(self, n: int) -> None:
+        require(Steps, n, "max_episode_steps")
+        self.task = replace(self.task, max_steps=n)
 
     @property
     def view(self) -> PushView:

@@ -27,7 +27,6 @@ def make_push_env(
     render_mode: RenderMode | None = None,
     width: int = FRAME_SIZE[0],
     height: int = FRAME_SIZE[1],
-    time_limit: int | None = None,
     **settings: Any,
 ) -> PushEnv:
     """Make an environment with a simulator of its own.
@@ -41,7 +40,6 @@ def make_push_env(
         render_mode: `rgb_array` lets `render` return pictures, `human` shows them in a window of pygame.
         width: Width of a picture in pixels.
         height: Height of a picture in pixels.
-        time_limit: The `max_episode_steps` of Gymnasium; a task with longer episodes is refused.
         settings: Fields of `TaskConfig`, such as `entry="fixed"` or `max_steps=50`, and of its domain, such as
             `mass_kg=[0.1, 1.0]`, drawn for every episode.
 
@@ -53,9 +51,7 @@ def make_push_env(
     if world is None:
         tell_if_native()
         world = LocalWorld(cast(Stepper, load_plugin("legpush.simulators", simulator)()))
-    made = task_with(task, scenario, settings)
-    require_time_limit(made, time_limit)
-    return PushEnv(made, world, render_mode, (width, height))
+    return PushEnv(task_with(task, scenario, settings), world, render_mode, (width, height))
 
 
 def task_with(task: TaskConfig | str, scenario: str | None, settings: dict[str, Any]) -> TaskConfig:
@@ -77,17 +73,3 @@ def task_with(task: TaskConfig | str, scenario: str | None, settings: dict[str, 
     domain = {field: value for field, value in settings.items() if field in DOMAIN_FIELDS}
     loaded = None if scenario is None else load_scenario(scenario)
     return load_task(task, loaded, **plain, domain=domain)
-
-
-def require_time_limit(task: TaskConfig, time_limit: int | None) -> None:
-    """Require episodes that end before Gymnasium truncates them.
-
-    Raises:
-        ConfigError: They may be longer.
-    """
-    if time_limit is not None and task.max_steps > time_limit:
-        n = task.max_steps
-        raise ConfigError(
-            f"Expected at most {time_limit} for max_steps, got {n}: Gymnasium truncates episodes after that; for "
-            f"longer ones give max_episode_steps={n} and time_limit={n} as well"
-        )

@@ -6,6 +6,7 @@ from math import degrees
 from typing import Any, Final, cast
 
 import gymnasium
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,17 +19,18 @@ from agent_proc.mission_env.rooms import draw_mission, require_bounds
 from agent_proc.mission_env.watched import WatchedWorld
 from agent_proc.policies.sb3.spaces import action_space, observation_space
 from agent_proc.task.action import to_push
-from agent_proc.task.config import TaskConfig
+from agent_proc.task.config import Steps, TaskConfig
 from agent_proc.task.episode import earned, has_arrived
 from agent_proc.task.observed import observe
+from agent_proc.task.reset_options import read_options
 from agent_proc.task.term import EpisodeEnding, PushStep
 from legpush.errors import ConfigError, MotionError
+from legpush.fields import require
 from legpush.lockstep.world import World
 from legpush.messages.poses import as_seen
 from legpush.runs.reasons import Reason
 from legpush.scene.scenario import Scenario
 
-OPTIONS: Final = ("scenario", "scenario_seed")
 MOST_MISSIONS: Final = 20
 """Missions to draw, until one asks for a push."""
 ENDINGS: Final[Mapping[Reason, EpisodeEnding]] = {
@@ -87,19 +89,18 @@ class MissionEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         mission that ends before it asks for a push is replaced by the next one.
 
         Raises:
-            ConfigError: There are other options, the mission of the options asks for no push, or another environment
-                steps the simulator since `close`.
+            ConfigError: An option is unknown or cannot be used, the mission of the options asks for no push, or
+                another environment steps the simulator since `close`.
+            ScenarioError: The option `scenario` names one that cannot be used.
         """
+        given = read_options(options)
         super().reset(seed=seed)
-        options = options or {}
-        if not options.keys() <= {*OPTIONS}:
-            raise ConfigError(f"Expected the options `scenario` and `scenario_seed`, got {', '.join(options)}")
         self._drop()
         self._claim()
         for _ in range(1 if options else MOST_MISSIONS):
             drawn_seed = int(self.np_random.integers(2**32))
-            scenario_seed = int(options.get("scenario_seed", drawn_seed))
-            scenario = options.get("scenario") or draw_mission(self.task, scenario_seed, self._world)
+            scenario_seed = drawn_seed if given.scenario_seed is None else given.scenario_seed
+            scenario = given.scenario or draw_mission(self.task, scenario_seed, self._world)
             mission = DrivenMission(self._world, scenario, scenario_seed)
             self._asked(mission)
             if mission.view is not None:
@@ -167,6 +168,20 @@ class MissionEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             ConfigError: There was no reset, or nothing can be drawn here; says why.
         """
         return None if self._rendering is None else self._rendering.picture()
+
+    @property
+    def max_steps(self) -> int:
+        """Push cycles after which an episode is truncated; Gymnasium's `max_episode_steps` sets it.
+
+        Raises:
+            ConfigError: It is set to a number below 1 or above 10 000.
+        """
+        return self.task.max_steps
+
+    @max_steps.setter
+    def max_steps(self, n: int) -> None:
+        require(Steps, n, "max_episode_steps")
+        self.task = msgspec.structs.replace(self.task, max_steps=n)
 
     @property
     def view(self) -> PushView:

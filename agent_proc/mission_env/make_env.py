@@ -5,7 +5,7 @@ from typing import Any, Final, cast
 from msgspec import UNSET
 from msgspec.structs import replace
 
-from agent_proc.learning.make_env import require_time_limit, task_with
+from agent_proc.learning.make_env import task_with
 from agent_proc.learning.rendering import FRAME_SIZE, RenderMode
 from agent_proc.mission_env.env import MissionEnv
 from agent_proc.task.config import TaskConfig
@@ -29,7 +29,6 @@ def make_mission_env(
     render_mode: RenderMode | None = None,
     width: int = FRAME_SIZE[0],
     height: int = FRAME_SIZE[1],
-    time_limit: int | None = None,
     **settings: Any,
 ) -> MissionEnv:
     """Make an environment with a simulator and a planner of its own.
@@ -45,7 +44,6 @@ def make_mission_env(
         render_mode: `rgb_array` lets `render` return pictures, `human` shows them in a window of pygame.
         width: Width of a picture in pixels.
         height: Height of a picture in pixels.
-        time_limit: The `max_episode_steps` of Gymnasium; a task with longer episodes is refused.
         settings: Fields of `TaskConfig`, such as `random_room={"obstacles": 4}` or `max_steps=50`, and of its domain,
             such as `mass_kg=[0.1, 1.0]`, drawn for every episode.
 
@@ -61,5 +59,4 @@ def make_mission_env(
     made = task_with(task, scenario, settings)
     if scenario is not None and "random_room" not in settings:
         made = replace(made, random_room=UNSET)
-    require_time_limit(made, time_limit)
     return MissionEnv(made, world, render_mode, (width, height))

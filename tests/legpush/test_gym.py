@@ -19,7 +19,6 @@ import legpush.gym
 from agent_proc.learning.env import PushEnv
 from agent_proc.mission_env.env import MissionEnv
 from agent_proc.task.file import load_task, task_names
-from legpush.errors import ConfigError
 
 ID = "legpush.gym:legpush/Push-v1"
 LEVEL_4 = "legpush.gym:legpush/PushL4-v2"
@@ -103,21 +102,6 @@ def test_the_checkers_of_gymnasium_and_stable_baselines_pass_without_a_warning()
         warnings.simplefilter("error")
         check_env(env.unwrapped, skip_render_check=True)
         check_env_sb3(env)
-
-
-def test_gymnasium_truncates_an_episode_that_was_asked_to_be_shorter() -> None:
-    env = gymnasium.make(ID, max_episode_steps=1)
-    env.reset(seed=SEED)
-    assert env.step(env.action_space.sample())[3]
-    env.close()
-
-
-def test_an_episode_that_gymnasium_would_cut_is_refused() -> None:
-    with pytest.raises(ConfigError, match="Expected at most 200 for max_steps, got 300: Gymnasium truncates"):
-        gymnasium.make(ID, max_steps=300)
-    env = gymnasium.make(ID, max_steps=300, max_episode_steps=300, time_limit=300)
-    assert env.spec is not None
-    assert env.spec.max_episode_steps == 300
 
 
 def test_actions_in_double_precision_and_out_of_range_are_clipped() -> None:

@@ -6,7 +6,10 @@ A change to what an episode of a given task, seed and actions shows or pays rais
 from typing import Any, Final, NamedTuple
 
 import gymnasium
+from gymnasium.envs.registration import WrapperSpec
 
+LIMIT: Final = "legpush.gym.episode_limit:EpisodeLimit"
+"""Makes `max_episode_steps` the length of an episode."""
 MAKE: Final = "agent_proc.learning.make_env:make_push_env"
 """Makes environments whose episodes are a box and its goal."""
 MAKE_MISSIONS: Final = "agent_proc.mission_env.make_env:make_mission_env"
@@ -48,5 +51,6 @@ for _id, _row in ENVIRONMENTS.items():
         entry_point=_row.make,
         nondeterministic=False,
         max_episode_steps=_row.max_episode_steps,
-        kwargs={"task": _row.task, "time_limit": _row.max_episode_steps, **_row.settings},
+        kwargs={"task": _row.task, **_row.settings},
+        additional_wrappers=(WrapperSpec("EpisodeLimit", LIMIT, {"usual": _row.max_episode_steps}),),
     )

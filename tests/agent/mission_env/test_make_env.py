@@ -32,7 +32,6 @@ def test_a_scenario_takes_the_place_of_the_rooms() -> None:
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        ({"max_steps": 9, "time_limit": 8}, ConfigError, "Expected at most 8 for max_steps, got 9"),
         ({"random_room": {"obstacle": 3}}, ConfigError, "at `random_room.obstacle`"),
         ({"random_room": {"obstacles": -1}}, ConfigError, "Expected 0 to 1000 obstacles, got -1"),
         ({"distance_m": [0.1, 1.0]}, ConfigError, "mass_kg and friction alone in the domain .*, got distance_m"),
