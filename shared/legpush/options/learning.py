@@ -208,8 +208,12 @@ class EvaluateOptions(SimulatorOptions):
     """Number of episodes for each swept value."""
     seed: Annotated[int, arg("N")] = 9000
     """Seed of the first episode's initial conditions; each later episode has the next seed."""
-    scenario: ScenarioName = "push"
-    """Scenario with the robot ready to push, and the goal with its tolerances."""
+    task: Annotated[str | None, arg("NAME|FILE")] = None
+    """Task to judge it on: its scenario, what each start draws, and its most push cycles. If not given, that of the
+    card of a policy folder, and for other policies the scenario alone."""
+    scenario: Annotated[str | None, arg("NAME|FILE")] = None
+    """Scenario with the robot ready to push, and the goal with its tolerances; that of the task if not given, push
+    without a task."""
     changes: Changes = ()
     """Change a field of the scenario, such as room.slope_deg=3; may be given several times."""
     sweep: Annotated[Repeated[str], arg("FIELD=VALUE,...")] = ()

@@ -57,9 +57,10 @@ def test_it_writes_rows_summary_and_plot(options: EvaluateOptions) -> None:
     assert {case["success_rate"]["kind"] for case in summary["cases"].values()} == {"Wilson 95 %"}
     assert (folder / "evaluation.png").read_bytes().startswith(b"\x89PNG")
     said = console.file.getvalue().splitlines()  # type: ignore[attr-defined]
-    assert said[0].endswith("evaluating  4 of 4 episodes")
-    assert said[1].startswith("box.mass_kg=0.1: position error ")
-    assert "(Wilson 95 %, n 2)" in said[1]
+    assert said[0] == "judged on the scenario push"
+    assert said[1].endswith("evaluating  4 of 4 episodes")
+    assert said[2].startswith("box.mass_kg=0.1: position error ")
+    assert "(Wilson 95 %, n 2)" in said[2]
     assert said[-1] == f"written to {folder}"
     assert not (folder / "finished.jsonl").exists()
 
@@ -131,7 +132,48 @@ def test_an_interrupted_evaluation_goes_on_to_the_result_of_an_undisturbed_one(
     console = Console(file=io.StringIO(), width=200)
     assert run(options, console) == 0
     said = console.file.getvalue().splitlines()  # type: ignore[attr-defined]
-    assert said[0] == f"{n_finished} of 4 episodes are finished already"
+    assert said[:2] == ["judged on the scenario push", f"{n_finished} of 4 episodes are finished already"]
     for name in ("episodes.csv", "episodes.parquet", "summary.json"):
         assert (folder / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
     assert not (folder / "finished.jsonl").exists()
+
+
+def test_fewer_episodes_lose_none_that_are_finished(
+    options: EvaluateOptions, stop: threading.Event, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    options = replace(options, sweep=(), episodes=4, simulators=1)
+    folder = options.out
+    assert folder is not None
+    with monkeypatch.context() as patch:
+        patch.setattr(evaluate, "simulators", stopping(stop, 3))
+        with pytest.raises(StopRequestedError, match="3 of 4 episodes are kept"):
+            run(options, Console(file=io.StringIO()))
+    stop.clear()
+
+    console = Console(file=io.StringIO(), width=200)
+    assert run(replace(options, episodes=2), console) == 0
+    assert len(parquet.read_table(folder / "episodes.parquet")) == 2
+    assert "1 other finished episodes stay in finished.jsonl, for later" in console.file.getvalue()  # type: ignore[attr-defined]
+    console = Console(file=io.StringIO(), width=200)
+    assert run(options, console) == 0
+    assert "3 of 4 episodes are finished already" in console.file.getvalue()  # type: ignore[attr-defined]
+    assert len(parquet.read_table(folder / "episodes.parquet")) == 4
+    assert not (folder / "finished.jsonl").exists()
+
+
+@pytest.mark.usefixtures("stop")
+def test_starts_are_those_of_the_task(options: EvaluateOptions) -> None:
+    options = replace(options, sweep=(), task="push-l2", simulators=1)
+    console, folder = Console(file=io.StringIO(), width=200), options.out
+    assert folder is not None
+    assert run(options, console) == 0
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["judged_on"].startswith("the task push-l2, in the scenario open; each start draws mass_kg, friction")
+    assert f"judged on {summary['judged_on']}" in console.file.getvalue()  # type: ignore[attr-defined]
+
+
+def test_a_sweep_of_what_the_starts_draw_is_refused(options: EvaluateOptions) -> None:
+    with pytest.raises(ConfigError, match=r"for --sweep, got box\.mass_kg, which each start of the task draws; --task"):
+        run(replace(options, task="push-l2"), Console(file=io.StringIO()))
+    assert options.out is not None
+    assert not options.out.exists()
