@@ -12,11 +12,10 @@ from agent_proc.learning.learner import Learner, set_observation_moments
 from agent_proc.learning.learner_state import restore_moments, restore_networks
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.actor import Layer
+from agent_proc.policies.alike import require_alike
 from agent_proc.policies.folder import PolicyFolder, policy_path, read_policy
 from agent_proc.policies.reach import Visits
 from agent_proc.policies.sb3.layers import layer_names
-from agent_proc.task.config import TaskConfig
-from agent_proc.task.elements import action_elements
 from legpush.errors import PolicyError
 
 
@@ -47,7 +46,7 @@ def begin_with(learner: Learner, plan: TrainingPlan, name_or_path: str) -> Visit
 
 def _take(learner: Learner, plan: TrainingPlan, policy: PolicyFolder, where: str) -> None:
     """Give the learner the actor of a policy, and the moments of its observations."""
-    _require_alike(plan, policy, where)
+    require_alike(plan.profile, plan.task, policy.card, where)
     model, normalizer = learner.model, learner.normalizer
     weights = model.policy.state_dict()
     names = layer_names(plan.profile.algorithm, weights)
@@ -65,26 +64,3 @@ def _tensors(layers: Mapping[tuple[str, str], Layer]) -> dict[str, Any]:
         for (weight, bias), layer in layers.items()
         for name, array in ((weight, layer.weight), (bias, layer.bias))
     }
-
-
-def _require_alike(plan: TrainingPlan, policy: PolicyFolder, where: str) -> None:
-    """Require a policy whose actor fits the plan (`PolicyError`)."""
-    card, mine = policy.card, plan.profile
-    for what, expected, got in (
-        ("algorithm", mine.algorithm, card.profile.algorithm),
-        ("hidden layers", mine.network.hidden, card.profile.network.hidden),
-        ("activation", mine.network.activation, card.profile.network.activation),
-        ("normalize_observation", mine.normalize_observation, card.profile.normalize_observation),
-        ("observation", *map(_observed, (plan.task, card.task))),
-        ("action", *map(_acted, (plan.task, card.task))),
-    ):
-        if expected != got:
-            raise PolicyError(f"{where}: expected a policy with the {what} of this training, {expected}, got {got}")
-
-
-def _observed(task: TaskConfig) -> dict[str, Any]:
-    return {"mirrored": task.mirrored, "scaling": task.scaling, **task.observation}
-
-
-def _acted(task: TaskConfig) -> list[str]:
-    return [element.name for element in action_elements(task)]

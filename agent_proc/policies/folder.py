@@ -73,6 +73,18 @@ def policy_path(name_or_path: str) -> Path:
     return folder
 
 
+def trained_path(name_or_path: str) -> Path:
+    """The same, for what needs a trained policy: the other names are no choice.
+
+    Raises:
+        PolicyError: There is no such policy or folder.
+    """
+    if name_or_path not in shipped_policies() and not Path(name_or_path).is_dir():
+        valid = ", ".join(shipped_policies())
+        raise PolicyError(f"Expected a trained policy ({valid}) or the folder of one, got {name_or_path!r}")
+    return policy_path(name_or_path)
+
+
 def write_policy(folder: Path, policy: PolicyFolder) -> None:
     """Write the folder in place of the previous one.
 

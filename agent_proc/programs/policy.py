@@ -11,13 +11,11 @@ from agent_proc.policies.folder import (
     PolicyFolder,
     encode_card,
     is_old_format,
-    policy_path,
     read_policy,
-    shipped_policies,
+    trained_path,
     write_policy,
 )
 from agent_proc.policies.learning_libraries import learning_libraries
-from legpush.errors import PolicyError
 from legpush.files import replace_folder
 from legpush.options.policies import ExportPolicy, ShowPolicy
 from legpush.output.reply import document
@@ -61,10 +59,7 @@ def read_any_policy(name: str) -> PolicyFolder:
     Raises:
         PolicyError: There is none, or one of its files cannot be used.
     """
-    if name not in shipped_policies() and not Path(name).is_dir():
-        valid = ", ".join(shipped_policies())
-        raise PolicyError(f"Expected a trained policy ({valid}) or the folder of one, got {name!r}")
-    path = policy_path(name)
+    path = trained_path(name)
     if not is_old_format(path):
         return read_policy(path)
     with learning_libraries(f"the policy {name!r} of format {OLD_FORMAT}"):

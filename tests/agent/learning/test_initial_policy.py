@@ -80,9 +80,15 @@ def test_a_training_gives_its_critics_too(trained: tuple[Path, str]) -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"entry": "fixed"}, r"last: expected a policy with the action of this training, \['w1', 'w2', 'leg'\], got"),
-        ({"mirrored": False}, "last: expected a policy with the observation of this training"),
-        ({"observation": {"box": {"far_m": 2.0}}}, "last: expected a policy with the observation of this training"),
+        (
+            {"entry": "fixed"},
+            "with the action of this training, w1, w2, leg, got w1, w2, leg, depth",
+        ),
+        ({"mirrored": False}, "observation of this training, got one with mirrored = True in place of False"),
+        (
+            {"observation": {"box": {"far_m": 2.0}}},
+            "that also has box_near, heading, heading_near; with box.far_m",
+        ),
     ],
 )
 def test_a_policy_of_another_task_is_refused(trained: tuple[Path, str], changes: dict[str, Any], message: str) -> None:

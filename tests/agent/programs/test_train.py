@@ -183,8 +183,11 @@ def test_a_training_in_the_map_is_resumed_there_and_another_begins_with_it(
         tuned = replace(options, init=str(init), out=tmp_path / f"from-{init.name}")
         assert said(tuned)[0] == 0
         assert read_plan(tmp_path / f"from-{init.name}").init == str(init)
-    with pytest.raises(PolicyError, match="or the folder of one, got 'nothing'"):
-        said(replace(options, init="nothing", out=tmp_path / "none"))
+    for name in ("nothing", "scripted"):
+        with pytest.raises(PolicyError, match=rf"\(fixed, variable, wide\) or the folder of one, got '{name}'"):
+            said(replace(options, init=name, out=tmp_path / "none"))
+    with pytest.raises(PolicyError, match=r"^variable: expected a policy with the hidden layers of this training, "):
+        said(replace(options, init="variable", out=tmp_path / "none"))
     with pytest.raises(PluginError, match="Expected a simulator"):
         said(replace(options, world="nothing", out=tmp_path / "none"))
     assert not (tmp_path / "none").exists()
