@@ -114,32 +114,37 @@ class Training:
             model.logger.close()
 
     def _run(self, *, fresh: bool) -> TrainingResult:
-        steps, model = self._plan.profile.steps, self._learner.model
+        steps, model, callbacks = (
+            self._plan.profile.steps,
+            self._learner.model,
+            make_callbacks(self._plan, self._folder),
+        )
         if fresh and self._plan.init is not None:
             self._visits = begin_with(self._learner, self._plan, self._plan.init)
         try:
             if model.num_timesteps < steps:
                 model.learn(
                     steps if fresh else steps - model.num_timesteps,
-                    callback=CallbackList([_Watcher(self), *make_callbacks(self._plan, self._folder)]),
+                    callback=CallbackList([_Watcher(self), *callbacks]),
                     reset_num_timesteps=fresh,
                 )
-            if model.num_timesteps >= steps:
+            ended_by = next((callback.name for callback in callbacks if callback.has_ended), None)
+            if ended_by is not None or model.num_timesteps >= steps:
                 self._check_if_due(last=True)
         except StopRequestedError:
-            pass
+            ended_by = None
         except LegpushError:
             with suppress(LegpushError):
                 self._save_held()
             raise
-        if not self._checks or self._checks[-1].step < steps:
+        if not self._checks or self._checks[-1].step < (steps if ended_by is None else model.num_timesteps):
             self._save_held()
             return TrainingResult(finished=False, step=self._held.step if self._held else 0, best=self._best)
         self._write(LAST, self._checks[-1])
         self._hold()
         self._save_held()
         self._tell("done")
-        return TrainingResult(finished=True, step=model.num_timesteps, best=self._best)
+        return TrainingResult(finished=True, step=model.num_timesteps, best=self._best, ended_by=ended_by)
 
     # -- called by the algorithm ---------------------------------------------------------------------------------------
 

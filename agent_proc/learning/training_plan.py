@@ -1,7 +1,9 @@
 """The plan, the progress and the result of a training."""
 
 import shlex
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from pathlib import Path
 from typing import Any, Final
 
 from agent_proc.policies.card import Check
@@ -15,6 +17,10 @@ ELSEWHERE: Final = (
     *("join", "listen", "connect", "router", "secure", "record"),
 )
 """Options of a training that say where it is made and what is told of it, and nothing about its policy."""
+
+
+OWN_LOGGERS: Final = ("tensorboard", "csv", "wandb")
+"""Names of the loggers of this package."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +46,13 @@ class TrainingPlan:
     """Keep an episode for a film of every N-th evaluation."""
     film_last: bool = False
     """Keep an episode for a film of the last evaluation."""
+
+
+def again(folder: Path, loggers: Sequence[str], callbacks: Sequence[str]) -> str:
+    """The command that goes on with the training in a folder; it repeats what runs code of other packages."""
+    others = {"--loggers": [name for name in loggers if name not in OWN_LOGGERS], "--callbacks": callbacks}
+    told = [word for flag, names in others.items() if names for word in (flag, *names)]
+    return shlex.join(["legpush", "train", "--resume", str(folder), *told])
 
 
 def command_of(options: TrainOptions) -> str:
@@ -70,3 +83,5 @@ class TrainingResult:
     """False if it was asked to stop before its end."""
     step: int
     best: Check | None
+    ended_by: str | None = None
+    """The callback that ended it before its last step."""

@@ -1,7 +1,6 @@
 """Training as a program: `legpush train`."""
 
 import logging
-import shlex
 import sys
 import threading
 from dataclasses import replace
@@ -72,7 +71,7 @@ def train(options: TrainOptions, console: Console) -> int:
         return _learn(folder, plan, options, console)
     except (LegpushError, OSError) as error:
         if is_disk_full(error) and (folder / CHECKPOINT_FILE).exists():
-            console.print(Text(f"after space is made, to go on: {_again(folder)}"), soft_wrap=True)
+            console.print(Text(f"after space is made, to go on: {_again(folder, plan)}"), soft_wrap=True)
         raise
 
 
@@ -103,7 +102,7 @@ def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Con
     stop, links_stop = stop_on_signals(), threading.Event()
     options = replace(options, simulators=plan.n_simulators, world=plan.world)
     make_folder(folder / LOGS, private=True)
-    write_whole(folder / LOGS / COMMAND_FILE, f"{_again(folder)}\n".encode(), private=True)
+    write_whole(folder / LOGS / COMMAND_FILE, f"{_again(folder, plan)}\n".encode(), private=True)
     with (
         own_folder(folder),
         simulators(options, folder / LOGS, links_stop, kind="train", folder=folder) as worlds,
@@ -124,8 +123,13 @@ def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Con
         finally:
             env.close()
     if not result.finished:
-        console.print(Text(f"{kept_words(result.step, done)}; to go on: {_again(folder)}"), soft_wrap=True)
+        console.print(Text(f"{kept_words(result.step, done)}; to go on: {_again(folder, plan)}"), soft_wrap=True)
         return INTERRUPTED
+    if result.ended_by is not None:
+        told_end = (
+            f"the callback {result.ended_by} ended the training after {result.step} of {plan.profile.steps} steps"
+        )
+        console.print(Text(told_end), soft_wrap=True)
     console.print(Text(f"best policy, {result.best}: {folder / training.BEST}"), soft_wrap=True)
     render_films(folder, console)
     document({"folder": folder, "policy": folder / training.BEST, "best": result.best, "n_steps": result.step})
@@ -138,9 +142,9 @@ def kept_words(n_kept: int, n_done: int) -> str:
     return f"interrupted: {n_kept} steps are kept{lost}"
 
 
-def _again(folder: Path) -> str:
+def _again(folder: Path, plan: TrainingPlan) -> str:
     """The command that goes on with the training in the folder."""
-    return shlex.join(["legpush", "train", "--resume", str(folder)])
+    return training_plan.again(folder, plan.loggers, plan.callbacks)
 
 
 def _resume(job: "Training", plan: TrainingPlan) -> None:

@@ -9,8 +9,9 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import KVWriter, TensorBoardOutputFormat
 
 from agent_proc.learning.loggers.csv_log import CsvLog
-from agent_proc.learning.training_plan import TrainingPlan
-from legpush.errors import ConfigError
+from agent_proc.learning.loggers.guarded import GuardedCallback, GuardedLog, made
+from agent_proc.learning.training_plan import OWN_LOGGERS, TrainingPlan
+from legpush.errors import ConfigError, PluginError
 from legpush.plugins import LIBRARIES, Group, load_plugin, plugin_names
 
 LOGGERS: Final[Group] = "legpush.loggers"
@@ -38,7 +39,7 @@ def _wandb(plan: TrainingPlan, folder: Path, _: int) -> KVWriter:
     return WandbLog(plan, folder)
 
 
-BUILT_IN: Final[dict[str, MakeLogger]] = {TENSORBOARD: _tensorboard, "csv": _csv, "wandb": _wandb}
+BUILT_IN: Final[dict[str, MakeLogger]] = dict(zip(OWN_LOGGERS, (_tensorboard, _csv, _wandb), strict=True))
 NEEDED: Final = {TENSORBOARD: "tensorboard", "wandb": "wandb"}
 """Library that a built-in logger needs."""
 
@@ -48,6 +49,7 @@ def require_tools(loggers: Sequence[str], callbacks: Sequence[str], allowed: Col
 
     Raises:
         ConfigError: There is none of this name, a library is missing, or one runs code and was not allowed.
+        PluginError: One of another package cannot be imported, or makes nothing.
     """
     for names, group, flag, own in (
         (loggers, LOGGERS, "--loggers", tuple(BUILT_IN)),
@@ -63,32 +65,37 @@ def require_tools(loggers: Sequence[str], callbacks: Sequence[str], allowed: Col
             if name not in own and name not in allowed:
                 raise ConfigError(f"{name} is of another package and runs code: repeat it with {flag} {name}")
             _require_library(name, flag)
+            if name not in own and not callable(load_plugin(group, name)):
+                raise PluginError(f"Expected a class or a function for {flag}, got {name!r}, which cannot be called")
 
 
 def make_loggers(plan: TrainingPlan, folder: Path, step: int) -> list[KVWriter]:
     """Make the loggers of a training that goes on from a step.
 
     Raises:
-        PluginError: One of another package cannot be imported.
+        PluginError: One of another package cannot be imported, or what makes it fails.
     """
-    return [_maker(name)(plan, folder, step) for name in plan.loggers]
+    return [_logger(name, plan, folder, step) for name in plan.loggers]
 
 
-def make_callbacks(plan: TrainingPlan, folder: Path) -> list[BaseCallback]:
+def make_callbacks(plan: TrainingPlan, folder: Path) -> list[GuardedCallback]:
     """Make the callbacks of a training.
 
     Raises:
-        PluginError: One cannot be imported.
+        PluginError: One cannot be imported, or what makes it fails.
     """
     makers: list[MakeCallback] = [load_plugin(CALLBACKS, name) for name in plan.callbacks]
-    return [make(plan, folder) for make in makers]
+    return [
+        GuardedCallback(made(make, BaseCallback, f"callback {name!r}", plan, folder), name)
+        for name, make in zip(plan.callbacks, makers, strict=True)
+    ]
 
 
-def _maker(name: str) -> MakeLogger:
+def _logger(name: str, plan: TrainingPlan, folder: Path, step: int) -> KVWriter:
     if name in BUILT_IN:
-        return BUILT_IN[name]
+        return BUILT_IN[name](plan, folder, step)
     make: MakeLogger = load_plugin(LOGGERS, name)
-    return make
+    return GuardedLog(made(make, KVWriter, f"logger {name!r}", plan, folder, step), name)
 
 
 def _require_library(name: str, flag: str) -> None:

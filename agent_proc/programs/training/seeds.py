@@ -1,7 +1,6 @@
 """Trainings with several seeds, `legpush train --seeds`: a study whose cells go on where they were interrupted."""
 
 import os
-import shlex
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -11,6 +10,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from agent_proc.learning.training_plan import again
 from agent_proc.programs.render_films import render_films
 from agent_proc.statistics.estimate import Estimate
 from agent_proc.studies.seed_trainings import (
@@ -101,12 +101,12 @@ def _train(source: str, options: TrainOptions, folder: Path, console: Console) -
     allowed = (*options.loggers, *options.callbacks)
     study, stop = read_study(source, f"{folder / STUDY}", allowed_policies=allowed), stop_on_signals()
     seeds: list[int] = study.file.axes["seed"]
-    again = shlex.join(["legpush", "train", "--resume", str(folder)])
+    command = again(folder, options.loggers, options.callbacks)
     n_workers = min(options.workers or len(os.sched_getaffinity(0)), len(seeds))
     orders = Orders(
         engine=lambda _: LocalEngine(n_workers),
         stop=stop,
-        again=again,
+        again=command,
         retry_failed=True,
         shown=partial(shown, console, partial(progress_text, folder, seeds)),
         folder_of=lambda task: seed_folder(folder, task.inputs["seed"]),
@@ -115,7 +115,7 @@ def _train(source: str, options: TrainOptions, folder: Path, console: Console) -
     make_folder(folder, private=options.out is None)
     tally = carry_out(study, folder / STUDY, orders)
     if stop.is_set():
-        console.print(Text(f"interrupted: {line(tally, 0.0)}; to go on: {again}"), soft_wrap=True)
+        console.print(Text(f"interrupted: {line(tally, 0.0)}; to go on: {command}"), soft_wrap=True)
         return INTERRUPTED
     for failure in StudyFolder(folder / STUDY).failures():
         console.print(Text(f"seed {failure.inputs['seed']} failed: {failure.error}"), soft_wrap=True)
