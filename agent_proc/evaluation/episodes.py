@@ -1,11 +1,11 @@
 """Evaluates a policy: episodes from seeded initial conditions, summarized with 95 % intervals."""
 
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
-from math import degrees, inf
+from math import degrees
 from queue import SimpleQueue
 from typing import Final, Literal
 
@@ -51,10 +51,11 @@ class Row:
     n_cycles: int
     simulated_s: float
     """Simulated time of the episode, with its walks around the box."""
-    max_abs_roll_deg: float
-    max_abs_pitch_deg: float
-    min_support_margin_m: float
-    """Smallest margin of the robot's CoM inside its support polygon over all ticks; infinite without a push."""
+    max_abs_roll_deg: float | None
+    """Largest roll of the trunk; None without a push, and in a world that has no trunk. The next two, too."""
+    max_abs_pitch_deg: float | None
+    min_support_margin_m: float | None
+    """Smallest margin of the robot's CoM inside its support polygon over all ticks."""
 
 
 def run_episode(
@@ -124,9 +125,7 @@ def run_episode(
         angle_error_deg=degrees(error.angle_rad),
         n_cycles=n_cycles,
         simulated_s=round(outcome.world.tick * CONTROL_PERIOD_S, 2),
-        max_abs_roll_deg=degrees(posture.roll_rad),
-        max_abs_pitch_deg=degrees(posture.pitch_rad),
-        min_support_margin_m=posture.margin_m,
+        **posture.worst(),
     )
 
 
@@ -134,17 +133,25 @@ class _Posture:
     """The least steady posture of an episode."""
 
     def __init__(self) -> None:
-        self.roll_rad = 0.0
-        self.pitch_rad = 0.0
-        self.margin_m = inf
+        self._tilts_rad: list[tuple[float, float]] = []
+        self._margins_m: list[float] = []
 
     def seen(self, outcome: Outcome) -> Outcome:
         """Take in the trace of an outcome, and return it."""
         if outcome.trace is not None and outcome.trace.roll_pitch_rad:
             roll_rad, pitch_rad = np.abs(outcome.trace.roll_pitch_rad).max(axis=0).tolist()
-            self.roll_rad, self.pitch_rad = max(self.roll_rad, roll_rad), max(self.pitch_rad, pitch_rad)
-            self.margin_m = min(self.margin_m, *outcome.trace.support_margin_m)
+            self._tilts_rad.append((roll_rad, pitch_rad))
+            self._margins_m.append(min(outcome.trace.support_margin_m))
         return outcome
+
+    def worst(self) -> dict[str, float | None]:
+        """Fields of the row; None if no trace was seen."""
+        roll_rad, pitch_rad = map(max, zip(*self._tilts_rad, strict=True)) if self._tilts_rad else (None, None)
+        return {
+            "max_abs_roll_deg": None if roll_rad is None else degrees(roll_rad),
+            "max_abs_pitch_deg": None if pitch_rad is None else degrees(pitch_rad),
+            "min_support_margin_m": min(self._margins_m, default=None),
+        }
 
 
 def as_it_is(scenario: Scenario, _seed: int) -> Scenario:
@@ -199,9 +206,10 @@ class Summary:
     angle_error_deg: Estimate
     n_cycles: Estimate
     n_falls: int
-    max_abs_roll_deg: float
-    max_abs_pitch_deg: float
-    min_support_margin_m: float
+    max_abs_roll_deg: float | None
+    """Of all episodes that have one, as the next two; None if none has."""
+    max_abs_pitch_deg: float | None
+    min_support_margin_m: float | None
     largest_position_error_m: float
     largest_angle_error_deg: float
 
@@ -227,9 +235,13 @@ def _summary(rows: Sequence[Row]) -> Summary:
         angle_error_deg=mean([row.angle_error_deg for row in rows]).cut(0.0),
         n_cycles=mean([float(row.n_cycles) for row in rows]),
         n_falls=sum(row.ending == "fell" for row in rows),
-        max_abs_roll_deg=max(row.max_abs_roll_deg for row in rows),
-        max_abs_pitch_deg=max(row.max_abs_pitch_deg for row in rows),
-        min_support_margin_m=min(row.min_support_margin_m for row in rows),
+        max_abs_roll_deg=max(_known(row.max_abs_roll_deg for row in rows), default=None),
+        max_abs_pitch_deg=max(_known(row.max_abs_pitch_deg for row in rows), default=None),
+        min_support_margin_m=min(_known(row.min_support_margin_m for row in rows), default=None),
         largest_position_error_m=max(row.position_error_m for row in rows),
         largest_angle_error_deg=max(row.angle_error_deg for row in rows),
     )
+
+
+def _known(values: Iterable[float | None]) -> list[float]:
+    return [value for value in values if value is not None]

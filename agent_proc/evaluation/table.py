@@ -36,5 +36,10 @@ def write_parquet(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
         DiskError: The file cannot be written.
     """
     buffer = pyarrow.BufferOutputStream()
-    parquet.write_table(pyarrow.Table.from_pylist([dict(row) for row in rows]), buffer)
+    table = pyarrow.Table.from_pylist([dict(row) for row in rows])
+    for index, field in enumerate(table.schema):
+        if field.type == pyarrow.null():  # of a number that this world does not know
+            numbers = pyarrow.nulls(len(table), pyarrow.float64())
+            table = table.set_column(index, field.name, numbers)
+    parquet.write_table(table, buffer)
     write_whole(path, buffer.getvalue().to_pybytes())

@@ -6,7 +6,10 @@ from typing import Any, Final
 import msgspec
 
 from agent_proc.learning.training_plan import TrainingPlan
-from agent_proc.profiles.profile import read_profile
+from agent_proc.policies.alike import require_alike
+from agent_proc.policies.folder import read_card, trained_path
+from agent_proc.profiles.profile import AnyProfile, read_profile
+from agent_proc.task.config import TaskConfig
 from agent_proc.task.file import read_task
 from legpush.errors import ConfigError
 from legpush.files import write_whole
@@ -58,3 +61,14 @@ def read_plan(folder: Path) -> TrainingPlan:
     except (OSError, msgspec.MsgspecError, KeyError, RecursionError) as error:
         raise ConfigError(f"Expected the folder of a training for --resume: {path} ({error})") from error
     return TrainingPlan(profile=profile, task=task, **rest)
+
+
+def require_initial(profile: AnyProfile, task: TaskConfig, init: str) -> None:
+    """Require a policy, or the folder of a training, that a training with this profile on this task can begin with.
+
+    Raises:
+        PolicyError: There is none, or it is one of another algorithm, network, observation or action; says in what.
+    """
+    folder = trained_path(init)
+    if not (folder / CONFIG_FILE).is_file():
+        require_alike(profile, task, read_card(folder), init)

@@ -9,6 +9,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from agent_proc.learning.loggers.registry import require_tools
+from agent_proc.learning.plan_file import require_initial
 from agent_proc.learning.training import BEST, LAST
 from agent_proc.learning.training_plan import TrainingPlan
 from agent_proc.policies.folder import read_policy
@@ -107,6 +108,8 @@ def resolve(cell: TrainingCell, allowed: Collection[str]) -> ResolvedTraining:
 
     task = in_scenario(cell.scenario)
     refuse_missions(task.random_room)
+    if cell.init is not None:
+        require_initial(profile, task, cell.init)
     require_known(cell.world, lambda named: of_training(task if named is None else in_scenario(named)), *FLAGS)
     final_task = _final_task(cell, task)
 

@@ -7,11 +7,9 @@ from typing import Any
 
 import msgspec
 
-from agent_proc.learning.plan_file import CONFIG_FILE
+from agent_proc.learning.plan_file import require_initial
 from agent_proc.learning.training_plan import TrainingPlan, command_of
-from agent_proc.policies.alike import require_alike
-from agent_proc.policies.folder import read_card, trained_path
-from agent_proc.profiles.profile import AnyProfile, load_profile
+from agent_proc.profiles.profile import load_profile
 from agent_proc.simulators import MAP_SUFFIX
 from agent_proc.task.config import TaskConfig
 from agent_proc.task.file import load_task
@@ -43,7 +41,7 @@ def plan_of(options: TrainOptions) -> TrainingPlan:
     task = _task(options, profile.task)
     refuse_missions(task.random_room)
     if options.init is not None:
-        _require_alike(profile, task, options.init)
+        require_initial(profile, task, options.init)
     require_known(
         options.world,
         lambda scenario: of_training(
@@ -64,13 +62,6 @@ def plan_of(options: TrainOptions) -> TrainingPlan:
         film_every=options.film_every,
         film_last=options.film_last,
     )
-
-
-def _require_alike(profile: AnyProfile, task: TaskConfig, init: str) -> None:
-    """Require a policy, or the folder of a training, that a training can begin with (`PolicyError`, `ConfigError`)."""
-    folder = trained_path(init)
-    if not (folder / CONFIG_FILE).is_file():
-        require_alike(profile, task, read_card(folder), init)
 
 
 def folder_of(options: TrainOptions, entry: str) -> Path:

@@ -30,7 +30,9 @@ def test_an_episode_of_the_scripted_policy_ends_at_the_goal() -> None:
     assert (result.ending, result.success, result.seed) == ("done", True, 5)
     assert result.position_error_m < 0.03
     assert result.n_cycles > 5
+    assert result.max_abs_roll_deg is not None
     assert result.max_abs_roll_deg > 0.1
+    assert result.min_support_margin_m is not None
     assert 0.0 < result.min_support_margin_m < 0.06
 
 

@@ -38,6 +38,11 @@ def test_it_evaluates_in_the_map(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert case["position_error_m"]["value"] < 0.01
     rows = list(csv.DictReader(io.StringIO((tmp_path / "out" / "episodes.csv").read_text())))
     assert [row["ending"] for row in rows] == ["done"] * 3
+    known = ("max_abs_roll_deg", "max_abs_pitch_deg", "min_support_margin_m")
+    assert [[row[name] for name in known] for row in rows] == [[""] * 3] * 3
+    assert [case[name] for name in known] == [None] * 3
+    schema = parquet.read_schema(tmp_path / "out" / "episodes.parquet")
+    assert {str(schema.field(name).type) for name in known} == {"double"}
 
 
 @pytest.mark.usefixtures("stop")

@@ -108,16 +108,23 @@ def test_a_task_may_be_put_together_of_parts_of_others() -> None:
 
 
 def test_the_last_policy_may_be_judged_in_another_scenario_and_another_simulator() -> None:
-    cell = TrainingCell(profile="tuned", task="push-l3", scenario="open", world="map", steps=256, final_episodes=2)
+    cell = TrainingCell(
+        profile="tuned", task="push-l3", scenario="open", world="map_unknown", steps=256, final_episodes=2
+    )
     here = resolve(cell, ())
     there = resolve(replace(cell, final_scenario="open_real", final_world="mujoco", final_starts="wide"), ())
 
     assert here.final_task == there.task == here.task
     wide = load_task("wide").domain
     assert there.final_task == replace(there.task, scenario=load_scenario("open_real"), domain=wide) != there.task
-    assert (here.final_world, there.world, there.final_world) == ("map", "map", "mujoco")
+    assert (here.final_world, there.world, there.final_world) == ("map_unknown", "map_unknown", "mujoco")
     with pytest.raises(ConfigError, match=r"Expected a world among .* got 'magic'"):
         resolve(replace(cell, final_world="magic"), ())
+
+
+def test_a_training_cannot_begin_with_a_policy_of_another_observation() -> None:
+    with pytest.raises(PolicyError, match="variable: expected a policy with the observation of this training, got one"):
+        resolve(TrainingCell(task="push-l3", scenario="open", world="map_unknown", init="variable"), ())
 
 
 def test_the_other_simulator_is_used() -> None:

@@ -28,7 +28,8 @@ def same(plan: TrainingPlan) -> TrainingPlan:
     [
         {},
         {"seed": 3, "world": "map", "n_simulators": 2, "loggers": ("csv", "tensorboard"), "film_every": None},
-        {"profile": "sac", "steps": 512, "entry": "fixed", "init": "variable"},
+        {"profile": "sac", "steps": 512, "entry": "fixed"},
+        {"steps": 512, "init": "variable"},
         {"task": "push-l2", "world": "map_unknown", "mass_kg": (0.1, 0.5), "friction": (0.3, 0.4)},
         {"actions": "discrete", "entry": "fixed", "film_every": 2, "film_last": True},
         {"scenario": "open", "changes": {"box.mass_kg": 0.7, "box.size_m": [0.5, 0.4, 0.4], "box.shape": "cuboid"}},
