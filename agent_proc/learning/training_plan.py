@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from agent_proc.policies.card import Check
-from agent_proc.profiles.profile import AnyProfile
+from agent_proc.profiles.profile import AnyProfile, PpoSettings
 from agent_proc.task.config import TaskConfig
 from legpush.arguments import words
 from legpush.options.learning import DEFAULT_WORLD, TrainOptions
@@ -46,6 +46,13 @@ class TrainingPlan:
     """Keep an episode for a film of every N-th evaluation."""
     film_last: bool = False
     """Keep an episode for a film of the last evaluation."""
+
+    @property
+    def n_whole_rollouts(self) -> int:
+        """Push cycles that it learns from: with PPO, those of whole rollouts."""
+        steps, settings = self.profile.steps, self.profile.settings
+        rollout = settings.n_steps * self.n_simulators if isinstance(settings, PpoSettings) else self.n_simulators
+        return -(-steps // rollout) * rollout
 
 
 def again(folder: Path, loggers: Sequence[str], callbacks: Sequence[str]) -> str:

@@ -3,6 +3,7 @@
 import logging
 import sys
 import threading
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -39,11 +40,13 @@ if TYPE_CHECKING:
 def main() -> int:
     """Parse the command line and train; returns the exit code."""
     logging.captureWarnings(True)
-    return run_command("train", TrainOptions, lambda options: train(options, Console()))
+    return run_command("train", TrainOptions, lambda options: train(options, Console(), sys.argv[1:]))
 
 
-def train(options: TrainOptions, console: Console) -> int:
+def train(options: TrainOptions, console: Console, argv: Sequence[str] = ()) -> int:
     """Begin or resume a training; returns 0 if it finished, 130 if it was interrupted.
+
+    `argv` has the words that the options were given with.
 
     Raises:
         PolicyError: A learning library is not installed.
@@ -51,10 +54,12 @@ def train(options: TrainOptions, console: Console) -> int:
     with learning_libraries("a training"):
         from agent_proc.learning.checkpoint import CHECKPOINT_FILE
         from agent_proc.learning.loggers.registry import require_tools
-    options.require_own_settings()
+    options.require_own_settings(argv)
     if options.seeds is not None or (options.resume is not None and has_seeds(options.resume)):
         return _train_seeds(options, console)
     if options.resume is not None:
+        if options.workers is not None:
+            raise ConfigError(f"Expected --workers with a training of several seeds alone, got {options.resume}")
         folder, plan = options.resume, read_plan(options.resume)
         require_writable_folder(folder, "--resume")
         require_tools(plan.loggers, plan.callbacks, (*options.loggers, *options.callbacks))
@@ -66,6 +71,9 @@ def train(options: TrainOptions, console: Console) -> int:
             sys.stdout.write(msgspec.json.format(msgspec.json.encode(plan), indent=2).decode() + "\n")
             document(plan)
             return 0
+        if (n := plan.n_whole_rollouts) != plan.profile.steps:
+            words = f"{plan.profile.steps} push cycles end within a rollout; it learns from whole ones, from {n}"
+            console.print(Text(words), soft_wrap=True)
         _begin(folder, plan, private=options.out is None)
     try:
         return _learn(folder, plan, options, console)

@@ -1,6 +1,7 @@
 """Options of `legpush train`, `evaluate` and `calibrate`."""
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Final, Literal
@@ -152,6 +153,8 @@ class TrainOptions(SimulatorOptions):
             raise ConfigError(f"Expected --world {DEFAULT_WORLD} with --film-every and --film-last: a map has no robot")
         if self.seeds is not None:
             self._check_seeds(self.seeds)
+        elif self.workers is not None and self.resume is None:
+            raise ConfigError("Expected --seeds with --workers, which says how many trainings run at a time")
         for kind, interval, flag in (
             (BoxMass, self.mass_kg, "--mass-kg"),
             (Friction, self.friction, "--friction"),
@@ -162,17 +165,18 @@ class TrainOptions(SimulatorOptions):
         if self.resume is not None and self.out is not None:
             raise ConfigError("Expected either --resume DIR, which continues in its folder, or --out DIR, got both")
 
-    def require_own_settings(self) -> None:
+    def require_own_settings(self, argv: Sequence[str] = ()) -> None:
         """Require that a training that goes on gets none of its settings again, since it keeps them.
+
+        `argv` has the flags of options that are given with their default values.
 
         Raises:
             ConfigError: An option is given that it would ignore.
         """
-        given = [
-            "--set" if field.name == "changes" else f"--{field.name.replace('_', '-')}"
-            for field in fields(self)
-            if field.name in SETTINGS and getattr(self, field.name) != field.default
-        ]
+        words = {word.partition("=")[0].replace("_", "-") for word in argv}
+        flags = {name: "--set" if name == "changes" else f"--{name.replace('_', '-')}" for name in SETTINGS}
+        usual = {field.name: field.default for field in fields(self)}
+        given = [flag for name, flag in flags.items() if getattr(self, name) != usual[name] or flag in words]
         if self.resume is not None and given:
             raise ConfigError(
                 f"Expected --resume DIR, which continues a training with its own settings, without {', '.join(given)}"
@@ -232,6 +236,8 @@ class EvaluateOptions(SimulatorOptions):
         super().__post_init__()
         require(Amount, self.episodes, "--episodes")
         require_seeds(self.seed, self.episodes, "--seed")
+        if self.grid and not self.sweep:
+            raise ConfigError("Expected --sweep with --grid, which combines the values of several")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -241,3 +241,15 @@ def test_a_task_of_missions_is_refused_before_anything_begins(options: TrainOpti
 def test_a_training_that_goes_on_gets_no_setting_again(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="without --steps"):
         train(TrainOptions(resume=tmp_path, steps=5120), Console(file=io.StringIO()))
+
+
+@pytest.mark.usefixtures("stop")
+def test_steps_within_a_rollout_are_told(options: TrainOptions) -> None:
+    assert options.out is not None
+    n = 2 * small_profile().settings.n_steps  # type: ignore[union-attr]
+    _, lines = said(replace(options, steps=n + 1))
+    assert lines[0] == f"{n + 1} push cycles end within a rollout; it learns from whole ones, from {2 * n}"
+    with pytest.raises(ConfigError, match="Expected --workers with a training of several seeds alone, got "):
+        said(TrainOptions(resume=options.out, workers=2))
+    _, lines = said(replace(options, steps=n, out=options.out.with_name("whole")))
+    assert not lines[0].startswith(f"{n} push cycles")
