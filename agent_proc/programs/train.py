@@ -139,9 +139,9 @@ def _learn(folder: Path, plan: TrainingPlan, options: TrainOptions, console: Con
         )
         console.print(Text(told_end), soft_wrap=True)
     console.print(Text(f"best policy, {result.best}: {folder / training.BEST}"), soft_wrap=True)
-    render_films(folder, console)
+    is_filmed = render_films(folder, console, _again(folder, plan), stop)
     document({"folder": folder, "policy": folder / training.BEST, "best": result.best, "n_steps": result.step})
-    return 0
+    return 0 if is_filmed else INTERRUPTED
 
 
 def kept_words(n_kept: int, n_done: int) -> str:

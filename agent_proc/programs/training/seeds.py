@@ -119,10 +119,11 @@ def _train(source: str, options: TrainOptions, folder: Path, console: Console) -
         return INTERRUPTED
     for failure in StudyFolder(folder / STUDY).failures():
         console.print(Text(f"seed {failure.inputs['seed']} failed: {failure.error}"), soft_wrap=True)
-    for seed in seeds:
-        render_films(seed_folder(folder, seed), console)
+    is_filmed = all(render_films(seed_folder(folder, seed), console, command, stop) for seed in seeds)
     if tally.n_done:
         _report(folder, summarize_seeds(folder), console)
+    if not is_filmed:
+        return INTERRUPTED
     return 1 if tally.n_failed else 0
 
 
