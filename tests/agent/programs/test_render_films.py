@@ -46,10 +46,8 @@ def write(renderer: Path, script: str) -> None:
 
 def test_every_episode_without_a_film_is_filmed_and_a_failure_is_said(tmp_path: Path, renderer: Path) -> None:
     first, second = places(tmp_path, "step-1", "step-2")
-    write(
-        renderer,
-        'test "$1 $2 $3" = "-P -m sim_proc.render" || exit 9\ncase $4 in *2) echo "a line\nno ffmpeg" >&2; exit 3;; esac',
-    )
+    fails = 'case $4 in *2) echo "a line\nno ffmpeg" >&2; exit 3;; esac'
+    write(renderer, f'test "$1 $2 $3" = "-P -m sim_proc.render" || exit 9\n{fails}')
     assert said(tmp_path) == [
         f"wrote {first / 'mission.mp4'}",
         f"no film of {second}: no ffmpeg; to try again: {AGAIN}",
