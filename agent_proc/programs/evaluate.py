@@ -69,8 +69,8 @@ def run(options: EvaluateOptions, console: Console) -> int:
     scenario, sweep = task.scenario, _sweep(options, task)
     _require_unused(folder)
     require_known(options.world, lambda name: _first_starts(options, task if name is None else _task(options, name)))
-    console.print(Text(f"judged on {task.told}"), soft_wrap=True)
     if options.dry_run:
+        console.print(Text(f"judged on {task.told}"), soft_wrap=True)
         for case, changed in sweep.cases.items():
             console.print(Text(f"# {case or scenario.name}\n{dump_scenario(changed)}"), soft_wrap=True)
         seeds = [options.seed, options.seed + options.episodes - 1]
@@ -145,25 +145,23 @@ def _finish(
         n_done, n_others = len(before.keys() & planned), len(before.keys() - planned)
         if n_done:
             console.print(Text(f"{n_done} of {total} episodes are finished already"), soft_wrap=True)
-        with (
-            simulators(options, folder / LOGS, links_stop, kind="evaluate", folder=folder) as worlds,
-            counted(console, "evaluating", total, "episodes", done=n_done) as advance,
-        ):
+        with simulators(options, folder / LOGS, links_stop, kind="evaluate", folder=folder) as worlds:
+            console.print(Text(f"judged on {task.told}"), soft_wrap=True)
+            with counted(console, "evaluating", total, "episodes", done=n_done) as advance:
 
-            def on_row(row: Row) -> None:
-                kept.keep(f"{row.case} seed {row.seed}", asdict(row))
-                advance()
+                def on_row(row: Row) -> None:
+                    kept.keep(f"{row.case} seed {row.seed}", asdict(row))
+                    advance()
 
-            try:
-                return evaluate(worlds, sweep.cases, seeds, policy, on_row, stop, before, task.drawn), n_others
-            except StopRequestedError as error:
-                if (n_kept := len(kept.parts) - n_others) == 0:
-                    raise StopRequestedError("interrupted: no episode was finished") from error
-                raise StopRequestedError(
-                    f"interrupted: {n_kept} of {total} episodes are kept; to go on: {_again(options, folder)}"
-                ) from error
-            finally:
-                links_stop.set()
+                try:
+                    return evaluate(worlds, sweep.cases, seeds, policy, on_row, stop, before, task.drawn), n_others
+                except StopRequestedError as error:
+                    if (n_kept := len(kept.parts) - n_others) == 0:
+                        raise StopRequestedError("interrupted: no episode was finished") from error
+                    kept_words = f"interrupted: {n_kept} of {total} episodes are kept"
+                    raise StopRequestedError(f"{kept_words}; to go on: {_again(options, folder)}") from error
+                finally:
+                    links_stop.set()
 
 
 def _work(options: EvaluateOptions, task: EvaluationTask) -> dict[str, str]:

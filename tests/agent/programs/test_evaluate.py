@@ -137,7 +137,7 @@ def test_an_interrupted_evaluation_goes_on_to_the_result_of_an_undisturbed_one(
     console = Console(file=io.StringIO(), width=200)
     assert run(options, console) == 0
     said = console.file.getvalue().splitlines()  # type: ignore[attr-defined]
-    assert said[:2] == ["judged on the scenario push", f"{n_finished} of 4 episodes are finished already"]
+    assert said[:2] == [f"{n_finished} of 4 episodes are finished already", "judged on the scenario push"]
     for name in ("episodes.csv", "episodes.parquet", "summary.json"):
         assert (folder / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
     assert not (folder / "finished.jsonl").exists()
