@@ -32,7 +32,7 @@ from legpush.study.cells import CellKind, Column
 
 N_LSTM: Final = 64
 HIDDEN: Final = (64, 64)
-"""Layers of actor and critic after their LSTM; those of the profile `tuned`, as all below."""
+"""Layers of actor and critic after their LSTM; those of the profile `tuned`."""
 LEARNING_RATE: Final = 1e-3
 BATCH_SIZE: Final = 128
 N_EPOCHS: Final = 10
