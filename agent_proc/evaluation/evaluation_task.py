@@ -2,24 +2,23 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import reduce
-from typing import Any, Final
+from typing import Final
 
 from msgspec.structs import asdict, replace
 
 from agent_proc.evaluation.starts import starts_of
+from agent_proc.evaluation.sweep import value_at
 from agent_proc.policies.folder import policy_path, read_card
 from agent_proc.task.config import TaskConfig
-from agent_proc.task.file import load_task
+from agent_proc.task.file import DEFAULT_TASK, load_task
 from agent_proc.task.rooms import refuse_missions
 from legpush.errors import ConfigError
+from legpush.options.scenarios import with_changes
 from legpush.policy_names import policy_kind
-from legpush.scenarios.changes import override, parse_changes
+from legpush.scenarios.changes import parse_changes
 from legpush.scenarios.file import load_scenario
 from legpush.scene.scenario import Scenario
 
-DEFAULT_SCENARIO: Final = "push"
-"""That of policies without a task."""
 N_LOOKED_AT: Final = 3
 """Starts that are looked at to find what all of them draw."""
 
@@ -45,9 +44,10 @@ class EvaluationTask:
         Raises:
             ConfigError: A start draws one of them, so that its value in `cases` would change nothing.
         """
-        seeds, listed = range(first_seed, first_seed + N_LOOKED_AT), list(cases)
+        seeds = range(first_seed, first_seed + N_LOOKED_AT)
+        starts = [(case, self.drawn(case, seed)) for case in cases for seed in seeds]
         for field in fields:
-            if any(_at(case, field) != _at(self.drawn(case, seed), field) for case in listed for seed in seeds):
+            if any(value_at(case, field) != value_at(start, field) for case, start in starts):
                 raise ConfigError(
                     f"Expected fields that the starts leave as they are for {flag}, got {field}, which each start of "
                     "the task draws; --task tuned has starts that draw no more than their offsets"
@@ -59,8 +59,8 @@ def evaluation_task(
 ) -> EvaluationTask:
     """Find what to judge a policy on.
 
-    Without `task`, it is that of the card if `policy` is the folder of one, else the `scenario` alone. A `scenario`
-    replaces that of the task.
+    Without `task`, it is that of the card if `policy` is the folder of one, else the default task, whose starts draw
+    nothing. A `scenario` replaces that of the task.
 
     Raises:
         ConfigError: There is no such task, its episodes are missions, or its starts draw a field of `changes`.
@@ -69,18 +69,17 @@ def evaluation_task(
     """
     given = None if scenario is None else load_scenario(scenario)
     if task is not None:
-        found, name = load_task(task, given), f"the task {task}"
+        found, name = load_task(task, given), f"the task {task}, in "
     elif policy_kind(policy) == "folder":
-        found, name = _of_card(policy, given), "the task that it was trained on"
+        found, name = _of_card(policy, given), "the task that it was trained on, in "
     else:
-        alone = given or load_scenario(DEFAULT_SCENARIO)
-        return EvaluationTask(scenario=_changed(alone, changes), drawn=lambda case, _: case, told=_scenario_text(alone))
+        found, name = load_task(DEFAULT_TASK, given), ""
     refuse_missions(found.random_room)
-    starts = starts_of(found)
-    drawn = [field for field, value in asdict(found.domain).items() if value is not None]
-    where = _scenario_text(found.scenario)
-    told = f"{name}, in {where}" + (f"; each start draws {', '.join(drawn)}" if found.evaluation == "domain" else "")
-    made = EvaluationTask(scenario=_changed(found.scenario, changes), drawn=starts, told=told)
+    told = f"{name}the scenario {found.scenario.name}"
+    if found.evaluation == "domain":
+        drawn = [field for field, value in asdict(found.domain).items() if value is not None]
+        told += f"; each start draws {', '.join(drawn)}"
+    made = EvaluationTask(scenario=with_changes(found.scenario, changes), drawn=starts_of(found), told=told)
     made.require_kept(parse_changes(changes), [made.scenario], first_seed, "--set")
     return made
 
@@ -93,16 +92,3 @@ def _of_card(policy: str, scenario: Scenario | None) -> TaskConfig:
     if task.evaluation == "domain":
         scenario = replace(scenario, goal=replace(task.scenario.goal, pose=scenario.goal.pose))
     return replace(task, scenario=scenario)
-
-
-def _changed(scenario: Scenario, changes: tuple[str, ...]) -> Scenario:
-    given = parse_changes(changes)
-    return override(scenario, given, "--set") if given else scenario
-
-
-def _scenario_text(scenario: Scenario) -> str:
-    return f"the scenario {scenario.name}"
-
-
-def _at(record: Any, path: str) -> Any:
-    return reduce(getattr, path.split("."), record)

@@ -26,7 +26,7 @@ class Sweep:
 
     def columns(self, case: str) -> dict[str, float | str]:
         """Values of the swept fields in a case."""
-        return {field: _shown(_at(self.cases[case], field)) for field in self.fields}
+        return {field: _shown(value_at(self.cases[case], field)) for field in self.fields}
 
 
 def make_sweep(scenario: Scenario, texts: Iterable[str], *, grid: bool) -> Sweep:
@@ -68,7 +68,8 @@ def _name(change: Iterable[tuple[str, Value]]) -> str:
     return " ".join(f"{field}={_shown(value)}" for field, value in change)
 
 
-def _at(record: Any, path: str) -> Any:
+def value_at(record: Any, path: str) -> Any:
+    """The value of a field, by its path such as `box.mass_kg`."""
     return reduce(getattr, path.split("."), record)
 
 

@@ -8,7 +8,6 @@ from typing import Any
 import gymnasium
 import numpy as np
 from msgspec import Struct
-from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from agent_proc.frames.push_view import NOTHING_FELT, PushView, push_view, pushed_state
@@ -17,7 +16,7 @@ from agent_proc.learning.rendering import FRAME_SIZE, Rendering, RenderMode
 from agent_proc.policies.sb3.spaces import action_space, observation_space
 from agent_proc.push_model.estimate import PushEstimate
 from agent_proc.task.action import to_push
-from agent_proc.task.config import Steps, TaskConfig
+from agent_proc.task.config import TaskConfig
 from agent_proc.task.drawn import drawn_scenario
 from agent_proc.task.episode import earned, episode_ending
 from agent_proc.task.observed import observe
@@ -26,7 +25,6 @@ from agent_proc.task.rooms import refuse_missions
 from agent_proc.task.term import EpisodeEnding, PushStep
 from agent_proc.walking.around_box import can_push, walk_to_face
 from legpush.errors import ConfigError, DivergedError, MotionError
-from legpush.fields import require
 from legpush.lockstep.local import LocalWorld
 from legpush.lockstep.world import SteppingWorld
 from legpush.messages.poses import as_seen, planar_pose
@@ -143,20 +141,6 @@ class PushEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             ConfigError: There was no reset, or nothing can be drawn here; says why.
         """
         return None if self._rendering is None else self._rendering.picture()
-
-    @property
-    def max_steps(self) -> int:
-        """Push cycles after which an episode is truncated; Gymnasium's `max_episode_steps` sets it.
-
-        Raises:
-            ConfigError: It is set to a number below 1 or above 10 000.
-        """
-        return self.task.max_steps
-
-    @max_steps.setter
-    def max_steps(self, n: int) -> None:
-        require(Steps, n, "max_episode_steps")
-        self.task = replace(self.task, max_steps=n)
 
     @property
     def view(self) -> PushView:

@@ -114,11 +114,8 @@ class Training:
             model.logger.close()
 
     def _run(self, *, fresh: bool) -> TrainingResult:
-        steps, model, callbacks = (
-            self._plan.profile.steps,
-            self._learner.model,
-            make_callbacks(self._plan, self._folder),
-        )
+        steps, model = self._plan.profile.steps, self._learner.model
+        callbacks = make_callbacks(self._plan, self._folder)
         if fresh and self._plan.init is not None:
             self._visits = begin_with(self._learner, self._plan, self._plan.init)
         try:

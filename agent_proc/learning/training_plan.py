@@ -48,7 +48,7 @@ class TrainingPlan:
     """Keep an episode for a film of the last evaluation."""
 
     @property
-    def n_whole_rollouts(self) -> int:
+    def steps_learned(self) -> int:
         """Push cycles that it learns from: with PPO, those of whole rollouts."""
         steps, settings = self.profile.steps, self.profile.settings
         rollout = settings.n_steps * self.n_simulators if isinstance(settings, PpoSettings) else self.n_simulators
@@ -57,9 +57,10 @@ class TrainingPlan:
 
 def again(folder: Path, loggers: Sequence[str], callbacks: Sequence[str]) -> str:
     """The command that goes on with the training in a folder; it repeats what runs code of other packages."""
-    others = {"--loggers": [name for name in loggers if name not in OWN_LOGGERS], "--callbacks": callbacks}
-    told = [word for flag, names in others.items() if names for word in (flag, *names)]
-    return shlex.join(["legpush", "train", "--resume", str(folder), *told])
+    options = TrainOptions(resume=folder, callbacks=tuple(callbacks))
+    if others := tuple(name for name in loggers if name not in OWN_LOGGERS):
+        options = replace(options, loggers=others)
+    return shlex.join(["legpush", "train", *words(options)])
 
 
 def command_of(options: TrainOptions) -> str:

@@ -6,7 +6,6 @@ from math import degrees
 from typing import Any, Final, cast
 
 import gymnasium
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,13 +18,12 @@ from agent_proc.mission_env.rooms import draw_mission, require_bounds
 from agent_proc.mission_env.watched import WatchedWorld
 from agent_proc.policies.sb3.spaces import action_space, observation_space
 from agent_proc.task.action import to_push
-from agent_proc.task.config import Steps, TaskConfig
+from agent_proc.task.config import TaskConfig
 from agent_proc.task.episode import earned, has_arrived
 from agent_proc.task.observed import observe
 from agent_proc.task.reset_options import read_options
 from agent_proc.task.term import EpisodeEnding, PushStep
 from legpush.errors import ConfigError, MotionError
-from legpush.fields import require
 from legpush.lockstep.world import World
 from legpush.messages.poses import as_seen
 from legpush.runs.reasons import Reason
@@ -168,20 +166,6 @@ class MissionEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
             ConfigError: There was no reset, or nothing can be drawn here; says why.
         """
         return None if self._rendering is None else self._rendering.picture()
-
-    @property
-    def max_steps(self) -> int:
-        """Push cycles after which an episode is truncated; Gymnasium's `max_episode_steps` sets it.
-
-        Raises:
-            ConfigError: It is set to a number below 1 or above 10 000.
-        """
-        return self.task.max_steps
-
-    @max_steps.setter
-    def max_steps(self, n: int) -> None:
-        require(Steps, n, "max_episode_steps")
-        self.task = msgspec.structs.replace(self.task, max_steps=n)
 
     @property
     def view(self) -> PushView:

@@ -71,7 +71,7 @@ def train(options: TrainOptions, console: Console, argv: Sequence[str] = ()) -> 
             sys.stdout.write(msgspec.json.format(msgspec.json.encode(plan), indent=2).decode() + "\n")
             document(plan)
             return 0
-        if (n := plan.n_whole_rollouts) != plan.profile.steps:
+        if (n := plan.steps_learned) != plan.profile.steps:
             words = f"{plan.profile.steps} push cycles end within a rollout; it learns from whole ones, from {n}"
             console.print(Text(words), soft_wrap=True)
         _begin(folder, plan, private=options.out is None)

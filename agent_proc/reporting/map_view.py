@@ -8,7 +8,7 @@ import numpy as np
 from legpush.arrays import Flags
 from legpush.bounds import MAX_OBSTACLES
 from legpush.options.maps import MapOptions
-from legpush.scenarios.changes import override, parse_changes
+from legpush.options.scenarios import with_changes
 from legpush.scenarios.file import load_with_map
 from legpush.scenarios.grid import merged_cells
 from legpush.scenarios.maps.map_files import OccupancyMap, read_cells
@@ -71,7 +71,7 @@ def read_view(options: MapOptions) -> MapView:
 
         return _view_of_file(path.name, read_map_server(path.parent, path.name))
     scenario, source = load_with_map(options.file)
-    scenario = override(scenario, parse_changes(options.changes), "--set") if options.changes else scenario
+    scenario = with_changes(scenario, options.changes)
     grid = occupancy_grid(scenario.room)
     cells = np.frombuffer(grid.cells, dtype=np.bool_).reshape(grid.n_rows, grid.n_columns)
     return MapView(

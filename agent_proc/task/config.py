@@ -4,7 +4,7 @@ from functools import cached_property
 from typing import Annotated, Any, Final, Literal
 
 from msgspec import UNSET, Meta, UnsetType
-from msgspec.structs import asdict
+from msgspec.structs import asdict, replace
 
 from agent_proc.task.action_config import ActionConfig
 from agent_proc.task.domain import Domain
@@ -13,7 +13,7 @@ from agent_proc.task.term import AbortTerm, ArrivalTerm, ObservationTerm, Reward
 from agent_proc.task.terms import make_terms
 from legpush.bounds import MAX_PUSH_CYCLES, MAX_TEXT
 from legpush.errors import ConfigError
-from legpush.fields import Name
+from legpush.fields import Name, require
 from legpush.scene.scenario import Scenario
 
 ENDINGS: Final = (ArrivalTerm, AbortTerm)
@@ -71,6 +71,15 @@ class TaskConfig(ActionConfig, frozen=True, kw_only=True, forbid_unknown_fields=
         if self.random_room is not UNSET:
             self._check_missions(self.random_room)
         _ = self.reward_terms, self.arrival_terms, self.abort_terms
+
+    def with_max_steps(self, n: int) -> "TaskConfig":
+        """Return the task with another length of its episodes, which Gymnasium calls `max_episode_steps`.
+
+        Raises:
+            ConfigError: It is below 1 or above 10 000.
+        """
+        require(Steps, n, "max_episode_steps")
+        return replace(self, max_steps=n)
 
     def _check_missions(self, given: RoomFields) -> None:
         """Check a task whose episodes are missions.

@@ -3,7 +3,7 @@
 import inspect
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from typing import Any
 
 from stable_baselines3.common.callbacks import BaseCallback
@@ -52,7 +52,7 @@ class GuardedCallback(BaseCallback):
         """Give the callback the variables of the algorithm."""
         self.callback.update_locals(locals_)
 
-    def _told(self) -> Any:
+    def _told(self) -> AbstractContextManager[None]:
         return told(f"callback {self.name!r}", type(self.callback))
 
 

@@ -18,8 +18,7 @@ from agent_proc.task.worlds import of_training, require_known
 from legpush.errors import ConfigError
 from legpush.options.checks import require_writable_folder
 from legpush.options.learning import TrainOptions
-from legpush.options.scenarios import changed_scenario
-from legpush.scenarios.changes import override, parse_changes
+from legpush.options.scenarios import changed_scenario, with_changes
 from legpush.scene.scenario import Scenario
 from legpush.versions import installed_versions
 
@@ -98,7 +97,7 @@ def _scenario(options: TrainOptions, task: str) -> Scenario | None:
         return changed_scenario(options.scenario, options.changes)
     if not options.changes:
         return None
-    return override(load_task(options.task or task).scenario, parse_changes(options.changes), "--set")
+    return with_changes(load_task(options.task or task).scenario, options.changes)
 
 
 def _given(**values: Any) -> dict[str, Any]:

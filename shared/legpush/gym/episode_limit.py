@@ -8,15 +8,21 @@ from gymnasium.utils import RecordConstructorArgs
 from legpush.errors import ConfigError
 
 
-class HasLength(Protocol):
-    """An environment whose episodes have at most a number of push cycles."""
+class Task(Protocol):
+    """What the episodes of an environment are."""
 
     @property
     def max_steps(self) -> int:
         """Push cycles after which an episode is truncated."""
 
-    @max_steps.setter
-    def max_steps(self, n: int) -> None: ...
+    def with_max_steps(self, n: int) -> "Task":
+        """Return the task with another length (`ConfigError` if there can be no such length)."""
+
+
+class HasTask(Protocol):
+    """An environment with a task."""
+
+    task: Task
 
 
 class EpisodeLimit(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
@@ -30,13 +36,12 @@ class EpisodeLimit(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs)
         """
         RecordConstructorArgs.__init__(self, usual=usual)
         gymnasium.Wrapper.__init__(self, env)
-        spec, task = env.spec, cast(HasLength, env.unwrapped)
+        spec, inner = env.spec, cast(HasTask, env.unwrapped)
         limit = None if spec is None else spec.max_episode_steps
         if spec is None or limit is None:
             return
         if limit == usual:
-            if task.max_steps > limit:
-                n = task.max_steps
+            if (n := inner.task.max_steps) > limit:
                 raise ConfigError(
                     f"Expected at most {limit} push cycles for an episode of {spec.id}, got {n} for max_steps; give "
                     f"max_episode_steps={n}"
@@ -47,4 +52,4 @@ class EpisodeLimit(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs)
                 "max_episode_steps"
             )
         else:
-            task.max_steps = limit
+            inner.task = inner.task.with_max_steps(limit)

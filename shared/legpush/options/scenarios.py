@@ -26,11 +26,21 @@ def changed_scenario(name: str, changes: tuple[str, ...]) -> "Scenario":
         ConfigError: A change has another form than `FIELD=VALUE`.
         ScenarioError: The scenario, a field or a value cannot be used.
     """
-    from legpush.scenarios.changes import override, parse_changes
     from legpush.scenarios.file import load_scenario
 
+    return with_changes(load_scenario(name), changes)
+
+
+def with_changes(scenario: "Scenario", changes: tuple[str, ...]) -> "Scenario":
+    """Change what `--set` says of a scenario.
+
+    Raises:
+        ConfigError: A change has another form than `FIELD=VALUE`.
+        ScenarioError: A field or a value cannot be used.
+    """
+    from legpush.scenarios.changes import override, parse_changes
+
     given = parse_changes(changes)
-    scenario = load_scenario(name)
     return override(scenario, given, "--set") if given else scenario
 
 

@@ -17,7 +17,7 @@ NOTHING = np.zeros(4, dtype=np.float32)
 
 
 def length(env: gymnasium.Env[Any, Any]) -> int:
-    return cast(PushEnv | MissionEnv, env.unwrapped).max_steps
+    return cast(PushEnv | MissionEnv, env.unwrapped).task.max_steps
 
 
 @pytest.mark.parametrize(

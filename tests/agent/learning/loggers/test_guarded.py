@@ -179,4 +179,4 @@ def test_they_are_made_in_the_order_of_their_names(tmp_path: Path) -> None:
 
 def test_the_command_that_goes_on_repeats_what_runs_code() -> None:
     assert again(Path("t"), ("tensorboard", "csv"), ()) == "legpush train --resume t"
-    assert again(Path("t"), ("csv", "mine"), ("a", "b")) == "legpush train --resume t --loggers mine --callbacks a b"
+    assert again(Path("t"), ("csv", "mine"), ("a", "b")) == "legpush train --loggers mine --callbacks a b --resume t"
